@@ -29,7 +29,7 @@ pub(crate) struct Start {
 }
 
 impl Start {
-    /// Measures a bundle that has its positions. O(n log n), and O(triangles) per particle that starts inside.
+    /// Measures a bundle that has its positions. O(n log n).
     pub fn of(bundle: &Bundle, body: &Body) -> Self {
         let mesh = Mesh {
             positions: body.positions.iter().map(|p| p.map(f64::from)).collect(),

@@ -50,7 +50,7 @@ impl Wearer {
         self.closest.project(p).map_or((f64::INFINITY, 0.0), |n| (n.distance, self.up[n.triangle as usize]))
     }
 
-    /// For each point how deep \[m\] it is inside of the body, 0 outside. O(triangles) per point.
+    /// For each point how deep \[m\] it is inside of the body, 0 outside. About O(log triangles) per point.
     pub(super) fn depths(&self, points: &[[f64; 3]]) -> Vec<f64> {
         let depth = |p: &[f64; 3]| if self.winding.number(*p) > INSIDE { self.near(*p).0 } else { 0.0 };
         points.par_iter().map(depth).collect()

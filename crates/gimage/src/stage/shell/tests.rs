@@ -116,21 +116,40 @@ fn a_tube_with_a_thickness_becomes_the_tube_between_its_walls() {
     assert!(shell.share > 0.95 && (shell.bound_area - 0.6).abs() < 0.05, "{shell:?}");
 }
 
-/// A sleeve with a share of 0.67 that faces another sheet: `ridges` around it are padded, to more than three times the median thickness.
-fn padded(ridges: f64) -> Mesh {
+/// A sleeve of `cells` quads around with a share of 0.67 that faces another sheet: `ridges` around it are padded, to more than three times the median
+/// thickness.
+fn padded(ridges: f64, cells: u32) -> Mesh {
     let gap = move |a: f64| 0.002 + 0.008 * (((ridges * a).cos() - 0.4) / 0.2).clamp(0.0, 1.0);
-    mesh(&[("sleeve", &thick_tube([120, 20], [120, 13], 0.1, gap))])
+    mesh(&[("sleeve", &thick_tube([cells, 20], [cells, 13], 0.1, gap))])
 }
 
 #[test]
 fn a_shell_that_would_fall_into_stripes_between_padding_is_kept_with_a_warning() {
-    let findings = stays(&padded(5.0), true);
+    let findings = stays(&padded(5.0, 120), true);
     assert!(findings[0].examples[0].contains("would fall apart"), "{findings:?}");
 }
 
 #[test]
 fn padding_whose_inner_sheet_would_be_loose_is_kept() {
-    stays(&padded(1.0), false);
+    stays(&padded(1.0, 120), false);
+}
+
+#[test]
+fn padded_sleeves_come_out_as_one_whole_layer_or_stay_as_they_are() {
+    let mut thinner = 0;
+    for (ridges, cells) in [6.0, 7.0, 12.0, 14.0, 20.0, 30.0].into_iter().flat_map(|r| [100, 120, 240].map(|c| (r, c)))
+    {
+        let sleeve = padded(ridges, cells);
+        let out = thinned(&sleeve);
+        if out.mesh == sleeve {
+            continue;
+        }
+        let topology = Topology::of(&out.mesh.triangles);
+        let (parts, loops) = (topology.components, topology.boundary_loops);
+        assert_eq!((parts, loops, topology.euler), (1, 2, 0), "{ridges}, {cells}: {:?}", out.findings);
+        thinner += 1;
+    }
+    assert!(thinner > 5, "{thinner}");
 }
 
 #[test]

@@ -119,7 +119,7 @@ impl<'a> Posed<'a> {
         best.map(|(far, t)| (far, unit(normal(corners(t)))))
     }
 
-    /// How often it winds around points: 1 inside, 0 outside. O(n) to make, and per point.
+    /// How often it winds around points: 1 inside, 0 outside. O(n log n) to make, and about O(log n) per point.
     pub fn winding(&self) -> Winding {
         Winding::new(self.surface.triangles.iter().map(|t| t.map(|v| self.at[v as usize])))
     }

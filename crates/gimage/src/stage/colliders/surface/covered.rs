@@ -26,8 +26,7 @@ impl Part {
     }
 }
 
-/// Drops the triangles that are inside of another component, and the vertices that none is left of. O(n), and O(triangles of a component) for each point
-/// in the box of another one.
+/// Drops the triangles that are inside of another component, and the vertices that none is left of. O(n log n), and O(components) per triangle.
 pub(super) fn drop_covered(body: &mut Body) {
     let mut sets = DisjointSets::new(body.positions.len());
     for [a, b, c] in &body.triangles {
@@ -43,16 +42,19 @@ pub(super) fn drop_covered(body: &mut Body) {
     }
     let corners: Vec<[[f64; 3]; 3]> =
         body.triangles.iter().map(|t| t.map(|v| body.positions[v as usize].map(f64::from))).collect();
-    let part = |name: &u32| {
-        let own = || corners.iter().zip(&of).filter(|(_, of)| *of == name).map(|(corners, _)| *corners);
+    let mut own: Vec<Vec<[[f64; 3]; 3]>> = vec![Vec::new(); names.len()];
+    for (corners, of) in corners.iter().zip(&of) {
+        own[names.partition_point(|name| name < of)].push(*corners);
+    }
+    let part = |own: Vec<[[f64; 3]; 3]>| {
         let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-        for p in own().flatten() {
+        for p in own.iter().flatten() {
             (0..3).for_each(|c| bounds[0][c] = bounds[0][c].min(p[c]));
             (0..3).for_each(|c| bounds[1][c] = bounds[1][c].max(p[c]));
         }
-        Part { bounds, winding: Winding::new(own()) }
+        Part { bounds, winding: Winding::new(own.into_iter()) }
     };
-    let parts: Vec<Part> = names.iter().map(part).collect();
+    let parts: Vec<Part> = own.into_iter().map(part).collect();
     let span = |c: usize| {
         let all = || parts.iter().map(|part| part.bounds);
         all().map(|b| b[1][c]).fold(f64::NEG_INFINITY, f64::max) - all().map(|b| b[0][c]).fold(f64::INFINITY, f64::min)
