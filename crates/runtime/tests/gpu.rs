@@ -304,7 +304,7 @@ fn two_runs_give_the_same_bits() {
     let bits = |lists: Lists| lists.map(|l| l.iter().map(|v| v.map(f32::to_bits)).collect::<Vec<_>>());
     for (solver, name, scene) in solved() {
         let options = Options { solver, iterations: 2, pyramid: 2, polish: Some(1), ..Options::default() };
-        let run = || bits(on_gpu(scene.clone(), &options, &gpu, 12));
+        let run = || bits(on_gpu(scene.clone(), &options, &gpu, 20));
         assert!(run() == run(), "{name}");
     }
 }
