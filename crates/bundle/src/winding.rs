@@ -6,7 +6,7 @@ use cluster::Cluster;
 
 /// Tangent of the half angle below which a triangle is far away, as nearly all are.
 const FAR: f64 = 0.125;
-/// Triangles that are not divided further.
+/// Triangles that are not divided further; if there are no more, each counts by itself.
 const FEW: usize = 8;
 
 type V3 = [f64; 3];
@@ -61,14 +61,14 @@ impl Winding {
     /// is within 0.01 of the exact one. About O(log triangles).
     pub fn number(&self, p: [f64; 3]) -> f64 {
         let (mut at, mut sum) = (0, 0.0);
+        let together = self.corners.len() > FEW;
         while let Some(node) = self.nodes.get(at) {
-            let count = node.triangles.len();
-            if let Some(angle) = node.cluster.half_angle(p).filter(|_| count > 1) {
+            if let Some(angle) = node.cluster.half_angle(p).filter(|_| together) {
                 sum += angle;
                 at = node.next as usize;
                 continue;
             }
-            if count <= FEW {
+            if node.triangles.len() <= FEW {
                 let own = &self.corners[node.triangles.start as usize..node.triangles.end as usize];
                 sum += own.iter().map(|t| half_angle(t, p)).sum::<f64>();
             }
