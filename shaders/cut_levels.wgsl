@@ -177,7 +177,9 @@ fn make(local: u32, b: Below, level: Level) {
       across(b, x, y, right, up, false));
     let m = mass(b, i, j);
     links[links_of_nodes() + level.image + n].mass = m;
-    nodes[2u * (level.first + n) + 1u].w = select(0.0, 1.0 / max(m, 1e-30), m > 0.0);
+    // A node that could not move stays so.
+    let at = 2u * (level.first + n) + 1u;
+    nodes[at].w = select(0.0, 1.0 / max(m, 1e-30), m > 0.0 && nodes[at].w > 0.0);
   }
 }
 

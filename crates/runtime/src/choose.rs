@@ -18,6 +18,7 @@ pub use wish::Wish;
 use std::fmt;
 
 use crate::cloth::{Cloth, Compliance};
+use crate::levels;
 use crate::options::{Options, Solver};
 use crate::scene::Scene;
 
@@ -67,7 +68,7 @@ pub enum Support {
 /// | pins with tethers, among colliders | 12 sqrt(N / 64), of a material 16 | 4 | T-shirt and cape of `assets/scenes` |
 /// | cloth without a material that follows joints, among colliders or not | 12 sqrt(N / 64) f, at least 8 | 6, 8 if f is 1 | figure and mage of `docs/characters.md` |
 /// | pins, no tethers | 16 sqrt(N / 64) | 4 | scene s3 without tethers |
-/// | the same, with [`Options::pyramid`], no colliders | 7 sqrt(N / 64) | 4 | scene s1 without tethers, N = 64, 128, 256: largest stretch 2.9, 3.3, 5.9 % |
+/// | the same, with [`Options::pyramid`], no colliders, all pins at nodes of a grid of at most 4 cells along a side | 7 sqrt(N / 64) | 4 | scene s1 without tethers, N = 64, 128, 256: largest stretch 2.9, 3.3, 5.9 % |
 /// | colliders, no pins | 12 sqrt(N / 64), of a material 48 | 8 | a T-shirt on moving arms: p99 4 % at N = 64, 5 % at 128 |
 /// | the same, starting high enough to fall on them at more than 1 m/s | 25 sqrt(N / 64) | 3 | scene s2: see `docs/solvers.md` |
 /// | a collider at speed v \[m/s\] | in a step, it moves at most a tenth of its radius past cloth, a fourth past cloth that follows joints | 8 | scene s2f |
@@ -219,7 +220,9 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
         }
         (true, true, false) => hung::need(cloth, n),
         (true, true, true) => (scaled(if sheet { 16.0 } else { 12.0 }), 4, Support::TetheredOnColliders),
-        (true, false, false) if given.pyramid > 0 => (scaled(PYRAMID_SUBSTEPS), 4, Support::Springs),
+        (true, false, false) if given.pyramid > 0 && levels::pins::carry(cloth, n) => {
+            (scaled(PYRAMID_SUBSTEPS), 4, Support::Springs)
+        }
         (true, false, _) => (scaled(16.0), 4, Support::Springs),
         (false, _, true) if !sheet && fall(cloth, scene) > MIN_FALL_M_S => {
             (scaled(FALL_SUBSTEPS), FALL_POLISH, Support::Falls(fall(cloth, scene)))

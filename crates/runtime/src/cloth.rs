@@ -188,6 +188,8 @@ pub struct Cloth {
     pub(crate) shear: f64,
     /// Whether it is a coarser image of a cloth, whose cells may be so uneven that ways along them come out too short.
     pub(crate) coarse: bool,
+    /// How many coarser grids, from the finest on, have all pins, as of when a stepper took it in.
+    pub(crate) levels_with_pins: u32,
     /// Texture coordinates along the fabric.
     grain: Option<Arc<Vec<[f32; 2]>>>,
     /// The stitches that tie its grids to each other.
@@ -231,6 +233,7 @@ impl Cloth {
             exact: false,
             shear: 0.0,
             coarse: false,
+            levels_with_pins: u32::MAX,
             grain: None,
             sewing: None,
             skin: None,

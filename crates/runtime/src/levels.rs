@@ -3,6 +3,7 @@
 pub mod boxes;
 pub mod joint;
 pub mod links;
+pub mod pins;
 pub mod safe;
 pub mod ties;
 
@@ -18,7 +19,7 @@ pub struct LevelGrid<T> {
     pub height: u32,
     /// Longest distances \[m\] to the nodes right, down, down-right and up-right; 0 means no limit.
     pub limits: Vec<[T; 4]>,
-    /// 1 / the mass \[1/kg\] of what a node moves.
+    /// 1 / the mass \[1/kg\] of what a node moves; 0 on levels that do not see all pins ([`pins::levels`]), which stay where they are.
     pub inverse_mass: Vec<f32>,
     /// Which of the nodes around it each particle of the grid below follows, as [`links::links`]; empty where that is all.
     pub links: Vec<u8>,
@@ -90,7 +91,10 @@ pub fn levels(cloth: &Cloth, index: usize, mass: &[f64]) -> Vec<LevelGrid<f32>> 
     let grid = &cloth.grids()[index];
     let limits = (0..grid.texels()).map(|k| [0, 1, 2, 3].map(|d| cloth.spring(index, k, d)));
     let mass = mass[grid.range()].to_vec();
-    Below { width: grid.width, height: grid.height, limits: limits.collect(), mass }.levels(false)
+    let mut levels = Below { width: grid.width, height: grid.height, limits: limits.collect(), mass }.levels(false);
+    let blind = levels.iter_mut().skip(cloth.levels_with_pins as usize);
+    blind.for_each(|level| level.inverse_mass.fill(0.0));
+    levels
 }
 
 /// Mass \[kg\] that each particle adds to nodes: 0 if it does not exist, its share of a seam point, else its own.

@@ -9,6 +9,7 @@ pub use masses::MOST_RATIO;
 use crate::choose::{Settings, bend};
 use crate::cloth::{Cloth, Compliance, Rest, shear};
 use crate::error::Result;
+use crate::levels::pins;
 use crate::options::Solver;
 use crate::passes::has_levels;
 
@@ -155,6 +156,15 @@ pub enum Warning {
         /// The cloth by name.
         cloth: String,
     },
+    /// Lengths are not limited on coarser grids, which would pull the cloth away from pins between their nodes.
+    #[error(
+        "cloth {cloth}: the pyramid is not used, because pins lie between the nodes of its coarse grids: leave the pyramid out, use \
+         tethers, or pin particles of even columns and rows"
+    )]
+    PyramidOffPins {
+        /// The cloth by name.
+        cloth: String,
+    },
     /// Steps were too long: more are made.
     #[error(
         "{asked} substeps in {step:.4} s were requested, and {made} are used: a step may take at most {longest:.4} s here; \
@@ -223,6 +233,9 @@ pub fn prepare(cloth: &mut Cloth, options: &Settings, most: u32, warnings: &mut 
     warnings.extend(turns(cloth));
     let loose: Vec<String> = cloth.loose_grids().into_iter().map(|g| cloth.grids()[g].name.clone()).collect();
     warnings.extend((!loose.is_empty()).then(|| Warning::Loose { cloth: cloth.name().into(), names: loose }));
+    cloth.levels_with_pins = if options.pyramid > 0 { pins::levels(cloth) } else { u32::MAX };
+    let blind = options.pyramid > 0 && cloth.levels_with_pins == 0;
+    warnings.extend(blind.then(|| Warning::PyramidOffPins { cloth: cloth.name().into() }));
     let fed = options.pyramid == 1 && cloth.damping <= 0.0 && has_levels(cloth, options);
     warnings.extend(fed.then(|| Warning::Pyramid { cloth: cloth.name().into() }));
     if most > 0 || cloth.membrane().is_some() || !cloth.particles().iter().any(|p| p.is_pinned()) {

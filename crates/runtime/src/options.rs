@@ -72,7 +72,8 @@ pub struct Options {
     /// Number of steps from one pass of length limits on coarser grids to the next, for [`Solver::Xpbd`]; 0 means never. Default
     /// 0; at most 4096. It keeps cloth together that no pin holds and that flies freely, and
     /// cloth that hangs at rest from points without tethers. Cloth that meets colliders has no such
-    /// pass, because the limits ignore contact ([`crate::Warning::PyramidOnColliders`]). Every other
+    /// pass, because the limits ignore contact ([`crate::Warning::PyramidOnColliders`]), and a grid takes part only if it has a node at
+    /// each group of pins that the cloth starts with ([`crate::Warning::PyramidOffPins`] if none has). Every other
     /// step is often enough: in every step, limits and springs work against one another, and cloth without damping takes up motion. No
     /// limit crosses a cut, and nothing is carried across one; both sides of a seam move alike on every grid; after a cut of
     /// any cloth only where both have a node at the same point.

@@ -157,7 +157,8 @@ fn coarse(cloth: &Cloth, options: &Options) -> Vec<Pass> {
 /// Whether lengths are limited on coarser grids.
 pub(crate) fn has_levels(cloth: &Cloth, options: &Options) -> bool {
     let large = cloth.grids().iter().any(|g| g.width.max(g.height) > 2);
-    options.solver == Solver::Xpbd && options.pyramid > 0 && large && cloth.directions()[..2].contains(&true)
+    let sees = cloth.levels_with_pins > 0;
+    options.solver == Solver::Xpbd && options.pyramid > 0 && large && sees && cloth.directions()[..2].contains(&true)
 }
 
 /// Four passes, or fewer on a grid of two rows or columns.

@@ -34,7 +34,8 @@ impl<T: Real> Fabric<T> {
         for ((pyramid, sheet), first) in self.pyramids.iter_mut().zip(&self.sheets).zip(&self.firsts) {
             let range = *first..first + sheet.width * sheet.height;
             if let Some(rest) = image.get(range.clone()) {
-                *pyramid = cut_levels::run(sheet.width, rest, &self.masses[range]);
+                let cut = cut_levels::run(sheet.width, rest, &self.masses[range]);
+                *pyramid = cut.blind_as(pyramid);
             }
         }
     }

@@ -53,6 +53,15 @@ impl<T: Real> Pyramid<T> {
         Pyramid { levels: grids.iter().map(level).collect() }
     }
 
+    /// Nodes that could not move before a cut cannot after it.
+    pub fn blind_as(mut self, before: &Self) -> Self {
+        for (level, before) in self.levels.iter_mut().zip(&before.levels) {
+            let nodes = level.weight.iter_mut().zip(&before.weight);
+            nodes.filter(|(_, before)| **before <= T::of(0.0)).for_each(|(weight, _)| *weight = T::of(0.0));
+        }
+        self
+    }
+
     /// Takes nodes from the particles.
     fn gather(&mut self, fine: &Sheet<T>) {
         for n in 0..self.levels.len() {
