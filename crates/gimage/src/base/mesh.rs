@@ -26,7 +26,7 @@ pub struct Mesh {
 }
 
 /// One primitive of the source file, as placed in the scene.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Part {
     /// glTF node or OBJ object.
     pub node: String,
@@ -40,6 +40,9 @@ pub struct Part {
     pub has_siblings: bool,
     /// The number of the connected component that it is, where flags choose by number ([`crate::select::divided`]).
     pub component: Option<u32>,
+    /// Largest distance \[m\] between numbers next to each other that the file could have stored for a coordinate, as it is placed; 0 if
+    /// that is not known, as of text.
+    pub step: f64,
 }
 
 /// The meaning of the values of a [`Channel`].

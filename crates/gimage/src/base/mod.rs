@@ -1,5 +1,6 @@
 //! Shared types and helpers of the stages: meshes, surfaces and images, and the geometry and graphs they are worked on with.
 
+pub(crate) mod apart;
 pub mod closest;
 pub(crate) mod decimate;
 pub(crate) mod frame;

@@ -3,7 +3,8 @@
 use super::ImportOptions;
 use super::findings::Findings;
 use super::matrix::{self, Matrix};
-use crate::base::mesh::{Mesh, Semantic};
+use crate::base::apart::apart;
+use crate::base::mesh::{Mesh, Part, Semantic};
 use crate::base::stray::strays;
 use crate::base::words::{self, number};
 use crate::error::{Error, Result};
@@ -146,8 +147,21 @@ const UNITS: [f64; 7] = [0.01, 0.001, 0.1, 0.0254, 100.0, 1000.0, 10.0];
 
 /// Notes about size and axes. They are guesses, and change neither the mesh nor the exit code.
 fn hint(mesh: &Mesh, options: &ImportOptions, findings: &mut Findings) {
-    // One vertex far off the others says nothing about the unit of the file.
-    let Some((lo, hi)) = strays(&mesh.positions, &mesh.triangles).1.or_else(|| mesh.bounds()) else { return };
+    // One part or one vertex far off the others says nothing about the unit of the file.
+    let far = apart(mesh);
+    for (part, (lo, hi), gap) in &far {
+        let message = "Parts lie far from the garment, as nodes of another unit do, and take texels from it. Leave them out with --cloth, or correct the file.";
+        findings.add(Severity::Note, "hint-apart", 1, message, || {
+            let [x, y, z] = [0, 1, 2].map(|k| number(hi[k] - lo[k]));
+            let Part { node, mesh, .. } = &mesh.parts[*part as usize];
+            let name = if node.is_empty() { mesh } else { node };
+            format!("{name}: {x} x {y} x {z} m, {} m away", number(*gap))
+        });
+    }
+    let is_near = |part: &u32| far.binary_search_by_key(part, |(far, ..)| *far).is_err();
+    let triangles = mesh.triangles.iter().zip(&mesh.triangle_part).filter(|(_, part)| is_near(part));
+    let triangles: Vec<[u32; 3]> = triangles.map(|(triangle, _)| *triangle).collect();
+    let Some((lo, hi)) = strays(&mesh.positions, &triangles).1.or_else(|| mesh.bounds()) else { return };
     let side: [f64; 3] = std::array::from_fn(|k| hi[k] - lo[k]);
     let place = || {
         let span = |k: usize| words::span(lo[k], hi[k]);
@@ -231,6 +245,23 @@ mod tests {
         assert!(hints([-0.75, -0.15, -1.5], [0.75, 0.15, -1.0], &d)[0].ends_with("--up -Z?"));
         assert_eq!(hints([-0.75, -0.15, 1.0], [0.75, 0.15, 1.5], &ImportOptions { up: Up::Z, ..d.clone() }), [""; 0]);
         assert_eq!(hints([-75.0, -15.0, 100.0], [75.0, 15.0, 150.0], &d).len(), 2);
+    }
+
+    #[test]
+    fn buttons_of_another_unit_get_a_hint_and_say_nothing_about_the_unit_of_the_garment() {
+        let mut mesh = boxed([-0.2, -0.4, -0.1], [0.2, 0.4, 0.1]);
+        let button = boxed([0.0, 107.0, 9.0], [2.0, 109.0, 9.5]);
+        mesh.positions.extend(button.positions);
+        mesh.triangles.push([4, 5, 6]);
+        mesh.triangle_part.push(1);
+        let part = |node: &str| Part { node: node.into(), ..Part::default() };
+        mesh.parts = vec![part("Cloth"), part("Button")];
+        let mut findings = Findings::default();
+        place(&mut mesh, &ImportOptions::default(), &mut findings);
+        let found = findings.into_vec();
+        let [only] = &found[..] else { panic!("{found:?}") };
+        assert_eq!((only.kind, only.severity), ("hint-apart", Severity::Note));
+        assert_eq!(only.examples, ["Button: 2 x 2 x 0.5 m, 107 m away"]);
     }
 
     #[test]

@@ -28,7 +28,7 @@ stage_options! {
     /// Options of [`repair`].
     pub struct RepairOptions of "repair" {
         /// Join vertices within this distance if both lie on open borders or an edge connects them; no vertex moves farther.
-        /// Without it, only exactly equal positions are joined. Larger distances mend wider cracks, but drop detail and join
+        /// Without it, only equal positions are joined, and borders that differ by the rounding of the numbers in the file. Larger distances mend wider cracks, but drop detail and join
         /// panels whose borders only lie close.
         pub weld: Option<f64> = None => "weld" ["m"] Range::Above(0.0);
     }
@@ -54,6 +54,7 @@ pub fn repair(mesh: Mesh, options: &RepairOptions) -> Result<Repaired> {
     drop_unusable(&mut work);
     let unused = work.used().iter().filter(|&&u| !u).count();
     weld::exact(&mut work);
+    weld::rounding(&mut work);
     if let Some(d) = options.weld {
         weld::within(&mut work, d);
     }

@@ -313,6 +313,19 @@ fn a_garment_laid_flat_is_not_a_shell() {
 }
 
 #[test]
+fn thick_fabric_around_a_body_is_a_shell_where_borders_run_along_both_sheets() {
+    // Open along a slit without a rim, as programs export sewn panels: the borders are those of a garment laid flat, which does not go around.
+    let mut tube = thick_tube([48, 20], [37, 13], 0.1, |_| 0.002);
+    let angle = |v: u32| tube.positions[v as usize][2].atan2(tube.positions[v as usize][0]);
+    let open: Vec<bool> = tube.triangles.iter().map(|t| t.iter().any(|v| angle(*v).abs() < 0.2)).collect();
+    let mut at = 0..;
+    tube.triangles.retain(|_| !open[at.next().unwrap()]);
+    let out = thinned(&mesh(&[("dress", &tube)]));
+    let topology = Topology::of(&out.mesh.triangles);
+    assert_eq!((out.shells.len(), topology.components, topology.boundary_loops), (1, 1, 1), "{:?}", out.findings);
+}
+
+#[test]
 fn stacked_shells_are_shells_each_and_a_patch_on_one_stays() {
     let panel = |z: f64| {
         let mut s = plate(8, [0.4, 0.3, 0.002], 1);

@@ -29,6 +29,8 @@ const TWO_SHEETS: f64 = 0.01;
 const NARROW: f64 = 0.25;
 /// Share of the sheet's border that may run along both sheets in one loop, as the openings of a garment laid flat do.
 const MIXED: f64 = 0.1;
+/// Length of the mean normal of a sheet from which it may be one side of a garment laid flat: the outer sheet of one that is worn faces all ways.
+const ONE_WAY: f64 = 0.5;
 /// Smallest share of the triangles that a sheet has: a sheet and a ring of triangles along its border have about as many. Below it, a few
 /// spikes of a damaged file hold most of the area.
 const FEW: f64 = 0.05;
@@ -213,7 +215,7 @@ impl Evidence<'_> {
             ));
         }
         let border = self.border(&found.kept);
-        (self.mixed(&own, 5.0 * thickness) > MIXED * border)
+        (self.mixed(&own, 5.0 * thickness) > MIXED * border && self.one_way(&found.kept) > ONE_WAY)
             .then(|| "its openings run along both sheets, as those of a garment laid flat".into())
     }
 
@@ -243,6 +245,12 @@ impl Evidence<'_> {
     /// Width of a sheet \[m\], as that of a long strip of its area and border; infinite without a border.
     fn width(&self, kept: &[u32]) -> f64 {
         2.0 * self.area(kept.iter()) / self.border(kept)
+    }
+
+    /// Length of the mean normal of a sheet.
+    fn one_way(&self, kept: &[u32]) -> f64 {
+        let of = |&t: &u32| scale(self.zone.normal[t as usize], self.zone.area[t as usize]);
+        norm(kept.iter().map(of).fold([0.0; 3], add)) / self.area(kept.iter())
     }
 
     /// Length of the boundary loops that run along both sheets for more than `most` each \[m\].
