@@ -134,6 +134,38 @@ fn two_borders_that_meet_are_sewn_once() {
     assert_eq!(from.len(), 1, "all from one side");
 }
 
+/// A pinned panel, and one below it without pins: the gap \[m\] between their borders, by the place along them.
+fn bodice_and_skirt(gap: impl Fn(f64) -> f64) -> Shape {
+    let mut shape = Shape::default();
+    sheet(&mut shape, 25, [0.0; 3], [1.0, 0.5], 0.0);
+    sheet(&mut shape, 23, [0.0, 0.5, 0.0], [1.0, 0.5], 0.0);
+    shape.positions[..26 * 26].iter_mut().filter(|p| p[1] == 0.5).for_each(|p| p[1] -= gap(p[0]));
+    shape
+}
+
+#[test]
+fn a_skirt_that_would_fall_off_or_hang_from_its_side_is_sewn_along_its_waist() {
+    let sewn = |gap: &dyn Fn(f64) -> f64| {
+        let built = build_shape(&bodice_and_skirt(gap), &options(2000, Stitching::Auto)).unwrap();
+        assert!(found(&built, "loose-piece").is_none());
+        let width = f64::from(built.bundle.manifest.pieces[0].width);
+        let kinds = ["hint-stitched", "hint-partly-sewn"].map(|kind| found(&built, kind).is_some());
+        (built.bundle.stitches().len() as f64 / width, kinds)
+    };
+    // Farther away than an estimate reaches; a tenth of it close and the rest 5 mm away; and all of it close.
+    for (gap, kinds) in [
+        (&(|_| 9e-3) as &dyn Fn(f64) -> f64, [true, false]),
+        (&|x| if x < 0.1 { 4e-4 } else { 5e-3 }, [true, false]),
+        (&|_| 4e-4, [false, false]),
+    ] {
+        let (share, hints) = sewn(gap);
+        assert!(share > 0.7 && hints == kinds, "{share} {hints:?}");
+    }
+    // Of two fifths that are close, one cannot tell whether the rest is sewn: a hint asks.
+    let (share, hints) = sewn(&|x| if x < 0.4 { 4e-4 } else { 5e-3 });
+    assert!(share < 0.6 && hints == [false, true], "{share} {hints:?}");
+}
+
 #[test]
 fn the_belted_dress_hangs_together() {
     let Some(folder) = garments_or_skip("the_belted_dress_hangs_together") else { return };

@@ -16,8 +16,9 @@ const LEAST_OF_GARMENT: f64 = 0.06;
 /// is sewn if its mean distance is at most this share of the largest: otherwise it merely passes.
 const CLOSE: f64 = 1.0 / 3.0;
 
-/// Sews borders to the panels that they lie on, those of the smallest panel first. Where two borders meet, one is sewn to the other.
-pub(super) fn borders(sewing: &mut Seamstress<'_>, most: f64, diagonal: f64) {
+/// Sews borders to the panels that they lie on, those of the smallest panel first, of panels that may be tied. Where two borders meet, one is sewn to
+/// the other.
+pub(super) fn borders(sewing: &mut Seamstress<'_>, most: f64, diagonal: f64, ties: impl Fn(usize, usize) -> bool) {
     let panels = sewing.panels;
     let mut order: Vec<usize> = (0..panels.len()).collect();
     order.sort_by(|a, b| panels[*a].area.total_cmp(&panels[*b].area).then(a.cmp(b)));
@@ -25,7 +26,8 @@ pub(super) fn borders(sewing: &mut Seamstress<'_>, most: f64, diagonal: f64) {
         for points in &panels[own].loops {
             let near = nearest(panels, own, points, most);
             for run in runs(points, &near, diagonal, most) {
-                sewing.seam(own, run.into_iter().map(|k| (points[k], near[k].map_or(own, |n| n.panel))));
+                let on = run.into_iter().filter_map(|k| Some((points[k], near[k]?.panel)));
+                sewing.seam(own, on.filter(|(_, to)| ties(own, *to)));
             }
         }
     }
@@ -64,8 +66,8 @@ const SPARSE_SHARE: f64 = 0.06;
 /// They are sewn only if this share of all points lies on other panels: fewer merely touch.
 const LEAST_OF_POINTS: f64 = 0.05;
 
-/// Sews a panel to the panels that it lies on by a sparse set of its points.
-pub(super) fn all_over(sewing: &mut Seamstress<'_>, own: usize, most: f64) {
+/// Sews a panel to the panels that it lies on by a sparse set of its points, of panels that may be tied.
+pub(super) fn all_over(sewing: &mut Seamstress<'_>, own: usize, most: f64, ties: impl Fn(usize, usize) -> bool) {
     let panels = sewing.panels;
     let panel = &panels[own];
     let apart = (SPARSE * panel.spacing).max(SPARSE_SHARE * panel.diagonal());
@@ -82,7 +84,7 @@ pub(super) fn all_over(sewing: &mut Seamstress<'_>, own: usize, most: f64) {
             chosen.push((*point, near.panel));
         }
     }
-    sewing.seam(own, chosen.into_iter());
+    sewing.seam(own, chosen.into_iter().filter(|(_, to)| ties(own, *to)));
 }
 
 /// The panels that hang together, by the smallest index of each group.

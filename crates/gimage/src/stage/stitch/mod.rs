@@ -5,7 +5,9 @@
 //! without a border there, such as a belt that is a closed shell, get a sparse set of stitches all over.
 
 mod choose;
+mod loose;
 mod panel;
+mod partly;
 mod reach;
 mod report;
 mod thread;
@@ -92,19 +94,34 @@ pub fn stitch(
     let all = AllTexels::new(bundle)?;
     let sizes = bundle.manifest.pieces.iter().map(|p| [p.width, p.height]).collect();
     let mut sewing = Seamstress::new(&panels, sizes, all.texels());
-    choose::borders(&mut sewing, most, diagonal);
+    choose::borders(&mut sewing, most, diagonal, |_, _| true);
     for own in 0..panels.len() {
         // A panel that no border ties to one that is held, such as a closed belt.
         if !is_held(&panels, &groups(panels.len(), &sewing.sewn))[own] {
-            choose::all_over(&mut sewing, own, most);
+            choose::all_over(&mut sewing, own, most, |_, _| true);
         }
+    }
+    let (mut farther, mut askew) = (Vec::new(), Vec::new());
+    if estimated && panels.iter().any(|p| p.pinned) {
+        farther = loose::tie(&mut sewing, most, diagonal);
+        let is_tied = |partly: &partly::Partly| farther.iter().any(|(k, _)| *k == partly.panel);
+        let partly = partly::partly(&panels, most, diagonal).into_iter().filter(|p| !is_tied(p)).collect::<Vec<_>>();
+        let (few, some): (Vec<_>, Vec<_>) = partly.into_iter().partition(partly::Partly::is_few);
+        for partly::Partly { panel, far, .. } in few {
+            choose::borders(&mut sewing, far, diagonal, |a, b| a == panel || b == panel);
+            farther.push((panel, far));
+        }
+        askew = some;
     }
     let sewn = sewing.sewn;
     write(bundle, &sewn)?;
     if !sewn.is_empty() && panels.iter().any(|p| p.pinned) {
         bundle.write_tethers()?;
     }
-    Ok(findings(&panels, &sewn, (most, estimated)))
+    let mut findings = findings(&panels, &sewn, (most, estimated));
+    findings.extend(report::farther(&farther.iter().map(|(k, far)| (&panels[*k], *far)).collect::<Vec<_>>()));
+    findings.extend(report::partly(&askew.into_iter().map(|p| (&panels[p.panel], p)).collect::<Vec<_>>()));
+    Ok(findings)
 }
 
 /// Distances of border points to the nearest other panel \[m\], as far as an estimate asks for them.

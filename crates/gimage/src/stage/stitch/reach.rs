@@ -15,7 +15,7 @@ pub(super) struct Near {
 }
 
 /// The range of estimates, in shares of the diagonal of the garment: 0.6 mm to 7 mm on a garment of 1.5 m.
-const RANGE: [f64; 2] = [4e-4, 4.5e-3];
+pub(super) const RANGE: [f64; 2] = [4e-4, 4.5e-3];
 /// A point counts against an estimate if its distance is within this factor of it.
 const WINDOW: f64 = 1.6;
 /// Estimates that are tried, in equal ratios.

@@ -1,6 +1,7 @@
 //! Findings about stitches.
 
 use super::panel::Panel;
+use super::partly::Partly;
 use crate::base::words::{counted, number};
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 
@@ -21,6 +22,44 @@ pub(super) fn sewn(count: usize, joined: &[&Panel], distance: f64, estimated: bo
             number(1e3 * distance)
         ),
     }
+}
+
+/// Panels that would fall off, or hang on a small part of a border, each tied at a distance \[m\] larger than that of the others.
+pub(super) fn farther(panels: &[(&Panel, f64)]) -> Option<Finding> {
+    let words = |(panel, far): &(&Panel, f64)| format!("{}: up to {} mm", panel.name, number(1e3 * far));
+    (!panels.is_empty()).then(|| Finding {
+        severity: Severity::Note,
+        stage: "stitch",
+        kind: "hint-stitched",
+        count: panels.len() as u64,
+        examples: panels.iter().take(MAX_EXAMPLES).map(words).collect(),
+        message: format!(
+            "{} that nothing would hold, or a small part of a border, {} tied over larger distances than the rest; --stitch METRES sets one for all.",
+            counted(panels.len(), "piece", "pieces"),
+            if panels.len() == 1 { "is" } else { "are" }
+        ),
+    })
+}
+
+/// Panels that are sewn along a part of their borders near others.
+pub(super) fn partly(panels: &[(&Panel, Partly)]) -> Option<Finding> {
+    let words = |(panel, partly): &(&Panel, Partly)| {
+        let [sewn, near] = partly.lengths.map(number);
+        format!("{}: {sewn} of {near} m", panel.name)
+    };
+    let (_, Partly { far, .. }) = panels.first()?;
+    Some(Finding {
+        severity: Severity::Note,
+        stage: "stitch",
+        kind: "hint-partly-sewn",
+        count: panels.len() as u64,
+        examples: panels.iter().take(MAX_EXAMPLES).map(words).collect(),
+        message: format!(
+            "{} sewn along a part of the borders that are near other pieces, and may hang askew: --stitch {}? sews more.",
+            counted(panels.len(), "piece is", "pieces are"),
+            number(1e-4 * (1e4 * far).ceil())
+        ),
+    })
 }
 
 /// Panels that nothing holds while others are pinned, with the distance of each to the nearest other panel \[m\].
