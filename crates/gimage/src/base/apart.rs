@@ -49,7 +49,7 @@ mod tests {
     use super::*;
     use crate::base::mesh::Part;
 
-    /// Parts of so many triangles, each a square of a side at a place on the x axis.
+    /// Parts, each by its number of triangles, its place on the x axis and its size.
     fn parts(all: &[(usize, f64, f64)]) -> Mesh {
         let mut mesh = Mesh::default();
         for (part, (count, at, side)) in all.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What nothing holds is tied from farther away than the rest: in motion it would fall off.
+//! Pieces that nothing holds are tied from farther away than others: in motion they would fall off.
 
 use super::choose::{self, groups};
 use super::is_held;
@@ -29,7 +29,7 @@ pub(super) fn tie(sewing: &mut Seamstress<'_>, most: f64, diagonal: f64) -> Vec<
             }
             let now = is_held(panels, &groups(panels.len(), &sewing.sewn));
             let came: Vec<usize> = (0..panels.len()).filter(|k| now[*k] && !held[*k]).collect();
-            // What hangs on one that was loose may be tied now.
+            // Others that hang on it may be tied now.
             if came.is_empty() {
                 break;
             }
