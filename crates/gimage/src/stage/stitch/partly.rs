@@ -1,4 +1,4 @@
-//! Borders that are sewn along a part of what lies near other panels: what hangs on one hangs askew.
+//! Borders that are sewn along a part of the length that is near other panels: a panel that hangs on such a border hangs askew.
 
 use super::panel::{Panel, share};
 use super::reach::{RANGE, nearest};
