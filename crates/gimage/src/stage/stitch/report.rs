@@ -27,18 +27,12 @@ pub(super) fn sewn(count: usize, joined: &[&Panel], distance: f64, estimated: bo
 /// Panels that would fall off, or hang on a small part of a border, each tied at a distance \[m\] larger than that of the others.
 pub(super) fn farther(panels: &[(&Panel, f64)]) -> Option<Finding> {
     let words = |(panel, far): &(&Panel, f64)| format!("{}: up to {} mm", panel.name, number(1e3 * far));
-    (!panels.is_empty()).then(|| Finding {
-        severity: Severity::Note,
-        stage: "stitch",
-        kind: "hint-stitched",
-        count: panels.len() as u64,
-        examples: panels.iter().take(MAX_EXAMPLES).map(words).collect(),
-        message: format!(
-            "{} that nothing would hold, or a small part of a border, {} tied over larger distances than the rest; --stitch METRES sets one for all.",
-            counted(panels.len(), "piece", "pieces"),
-            if panels.len() == 1 { "is" } else { "are" }
-        ),
-    })
+    let message = format!(
+        "{} that nothing would hold, or a small part of a border, {} tied over larger distances than the rest; --stitch METRES sets one for all.",
+        counted(panels.len(), "piece", "pieces"),
+        if panels.len() == 1 { "is" } else { "are" }
+    );
+    about(Severity::Note, "hint-stitched", panels, words, message)
 }
 
 /// Panels that are sewn along a part of their borders near others.
@@ -48,18 +42,12 @@ pub(super) fn partly(panels: &[(&Panel, Partly)]) -> Option<Finding> {
         format!("{}: {sewn} of {near} m", panel.name)
     };
     let (_, Partly { far, .. }) = panels.first()?;
-    Some(Finding {
-        severity: Severity::Note,
-        stage: "stitch",
-        kind: "hint-partly-sewn",
-        count: panels.len() as u64,
-        examples: panels.iter().take(MAX_EXAMPLES).map(words).collect(),
-        message: format!(
-            "{} sewn along a part of the borders that are near other pieces, and may hang askew: --stitch {}? sews more.",
-            counted(panels.len(), "piece is", "pieces are"),
-            number(1e-4 * (1e4 * far).ceil())
-        ),
-    })
+    let message = format!(
+        "{} sewn along a part of the borders that are near other pieces, and may hang askew: --stitch {}? sews more.",
+        counted(panels.len(), "piece is", "pieces are"),
+        number(1e-4 * (1e4 * far).ceil())
+    );
+    about(Severity::Note, "hint-partly-sewn", panels, words, message)
 }
 
 /// Panels that nothing holds while others are pinned, with the distance of each to the nearest other panel \[m\].
@@ -68,16 +56,22 @@ pub(super) fn loose(panels: &[(&Panel, Option<f64>)]) -> Option<Finding> {
         Some(gap) => format!("{}: {} mm from the nearest piece", panel.name, number(1e3 * gap)),
         None => panel.name.clone(),
     };
-    (!panels.is_empty()).then(|| Finding {
-        severity: Severity::Warning,
-        stage: "stitch",
-        kind: "loose-piece",
-        count: panels.len() as u64,
-        examples: panels.iter().take(MAX_EXAMPLES).map(words).collect(),
-        message: format!(
-            "Nothing holds {}: no pin, and no stitch to a piece that is held. In motion they fall off. Pin them (--pin), tie them by a \
-             larger distance (--stitch METRES), or leave them out (--rigid).",
-            counted(panels.len(), "piece", "pieces")
-        ),
-    })
+    let message = format!(
+        "Nothing holds {}: no pin, and no stitch to a piece that is held. In motion they fall off. Pin them (--pin), tie them by a \
+         larger distance (--stitch METRES), or leave them out (--rigid).",
+        counted(panels.len(), "piece", "pieces")
+    );
+    about(Severity::Warning, "loose-piece", panels, words, message)
+}
+
+/// A finding about panels, each in words; none of no panel.
+fn about<T>(
+    severity: Severity,
+    kind: &'static str,
+    panels: &[T],
+    words: impl Fn(&T) -> String,
+    message: String,
+) -> Option<Finding> {
+    let (count, examples) = (panels.len() as u64, panels.iter().take(MAX_EXAMPLES).map(words).collect());
+    (count > 0).then_some(Finding { severity, stage: "stitch", kind, count, examples, message })
 }
