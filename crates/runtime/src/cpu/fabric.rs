@@ -61,7 +61,7 @@ use crate::levels::{levels, masses};
 use crate::number::aligned::Aligned;
 use crate::number::real::Real;
 use crate::options::Options;
-use crate::passes::Pass;
+use crate::passes::{Pass, has_levels};
 
 /// Sheets of a cloth, and where its particles lie in them.
 pub struct Fabric<T: Real> {
@@ -115,7 +115,7 @@ impl<T: Real> Fabric<T> {
         let firsts = cloth.grids().iter().map(|g| g.first as usize).collect();
         let (starts, members) = cloth.ring_lists();
         let springs = sheets.iter().enumerate().map(|(g, sheet)| stretch::springs(cloth, g, sheet)).collect();
-        let grids = if options.pyramid > 0 { 0..sheets.len() } else { 0..0 };
+        let grids = if has_levels(cloth, options) { 0..sheets.len() } else { 0..0 };
         let masses = if grids.is_empty() { Vec::new() } else { masses(cloth) };
         let pyramids: Vec<Pyramid<T>> =
             grids.map(|g| Pyramid::new(&levels(cloth, g, &masses), sheets[g].width)).collect();
