@@ -6,6 +6,7 @@
 //! are. A doubtful case is kept as it is, with a warning.
 
 mod alone;
+mod doubled;
 mod layers;
 mod middle;
 mod rays;

@@ -379,3 +379,44 @@ fn the_order_of_the_file_changes_neither_sheet_nor_place() {
     };
     assert_eq!(places(&thinned(&solid).mesh), places(&thinned(&other).mesh));
 }
+
+/// Surfaces as triangles of one component, none of which faces another.
+fn of_one_component(surfaces: &[Surface]) -> (Mesh, Zone) {
+    let all = surfaces.iter().cloned().reduce(|a, b| both(a, &b)).unwrap();
+    let mesh = mesh(&[("all", &all)]);
+    let n = mesh.triangles.len();
+    let zone = Zone {
+        source: (0..n as u32).collect(),
+        triangles: mesh.triangles.clone(),
+        component: vec![0; n],
+        area: (0..n).map(|t| mesh.triangle_area(t)).collect(),
+        normal: vec![[0.0; 3]; n],
+        gap: vec![f64::INFINITY; n],
+        is_narrow: vec![false; n],
+        pairs: Vec::new(),
+    };
+    (mesh, zone)
+}
+
+#[test]
+fn fabric_that_is_doubled_does_not_make_a_sheet_fall_apart() {
+    let tube = |radius: f64, low: f64, high: f64| {
+        sheet(48, 12, Join::Same, Join::Open, |u, v| {
+            let (sin, cos) = (TAU * u).sin_cos();
+            [radius * cos, low + (high - low) * v, radius * sin]
+        })
+    };
+    // A hem of a fifth of the height, turned over to the inside; and a second sleeve below the first one.
+    let (sleeve, hem, below) = (tube(0.1, 0.0, 0.5), tube(0.096, 0.0, 0.1), tube(0.1, -0.3, -0.002));
+    let over = |surfaces: &[Surface], thickness: f64| {
+        let (mesh, zone) = of_one_component(surfaces);
+        let stay = (0..zone.triangles.len() as u32).collect();
+        doubled::doubled(&zone, &sides::sides(&zone), &mesh.positions, &stay, thickness)
+    };
+    let of_hem: Vec<u32> = (2 * 48 * 12..4 * 48 * 12).collect();
+    assert_eq!(over(&[sleeve.clone(), hem.clone()], 0.001), Some(of_hem));
+    assert_eq!(over(&[sleeve.clone(), hem.clone()], 0.0005), None, "4 mm are too far for fabric of 0.5 mm");
+    assert_eq!(over(&[sleeve.clone(), below.clone()], 0.001), None);
+    assert_eq!(over(&[sleeve.clone(), hem, below], 0.001), None);
+    assert_eq!(over(&[sleeve], 0.001), Some(Vec::new()));
+}

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use gimage_bundle::DisjointSets;
 
 use super::alone::alone;
+use super::doubled::doubled;
 use super::layers::Layer;
 use super::rays::{FACING, quantile};
 use super::sides::Sides;
@@ -34,8 +35,6 @@ const ONE_WAY: f64 = 0.5;
 /// Smallest share of the triangles that a sheet has: a sheet and a ring of triangles along its border have about as many. Below it, a few
 /// spikes of a damaged file hold most of the area.
 const FEW: f64 = 0.05;
-/// Share of the area that stays from which a part of it is large.
-const LARGE: f64 = 0.05;
 /// Areas closer than this share do not tell the outer sheet.
 const EVEN: f64 = 0.02;
 
@@ -128,10 +127,17 @@ impl Evidence<'_> {
         if least < FACING && !found.alone.is_empty() {
             return partly(FACING);
         }
-        if self.falls_apart(&found) {
+        let stay = found.kept.iter().chain(&found.alone).copied().collect();
+        let Some(over) = doubled(self.zone, self.sides, self.positions, &stay, thickest) else {
             return doubt("without its rims its outer sheet would fall apart".into());
+        };
+        for list in [&mut found.kept, &mut found.alone] {
+            list.retain(|t| over.binary_search(t).is_err());
         }
         found.dropped.retain(|t| found.alone.binary_search(t).is_err());
+        found.dropped.extend(over);
+        found.dropped.sort_unstable();
+        found.dropped.dedup();
         Verdict::Shell(found)
     }
 
@@ -217,20 +223,6 @@ impl Evidence<'_> {
         let border = self.border(&found.kept);
         (self.mixed(&own, 5.0 * thickness) > MIXED * border && self.one_way(&found.kept) > ONE_WAY)
             .then(|| "its openings run along both sheets, as those of a garment laid flat".into())
-    }
-
-    /// Whether the triangles that stay are more large parts than they were components, as stripes between padding that counts as rims.
-    fn falls_apart(&self, found: &Found) -> bool {
-        let stay: BTreeSet<u32> = found.kept.iter().chain(&found.alone).copied().collect();
-        let mut parts = DisjointSets::new(self.zone.triangles.len());
-        for [a, b] in self.sides.edges.iter().map(|e| e.triangles).filter(|e| e.iter().all(|t| stay.contains(t))) {
-            parts.union(a, b);
-        }
-        let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
-        stay.iter().for_each(|&t| *areas.entry(parts.find(t)).or_default() += self.zone.area[t as usize]);
-        let least = LARGE * self.area(stay.iter());
-        let components: BTreeSet<u32> = stay.iter().map(|&t| self.zone.component[t as usize]).collect();
-        areas.values().filter(|area| **area > least).count() > components.len()
     }
 
     /// Length of the border of a sheet \[m\].
