@@ -2,7 +2,8 @@
 //!
 //! Between cloths of different layers the higher one belongs in front of the lower one. Otherwise a contour divides a sheet into the part in front of
 //! the other sheet and the part behind it, and the part with fewer points is wrong, of both sheets. A part with points that do not move
-//! is wrong only if all parts have some.
+//! is wrong only if all parts have some. A contour that ends inside a sheet separates nothing of it if both parts grow far around it, or to points
+//! that do not move.
 
 use super::Untangle;
 use super::contour::Contour;
@@ -10,6 +11,9 @@ use super::pierce::Hit;
 
 /// How many times as many points a part must have that is right if a way leads around the contour.
 const CLEAR_RATIO: f64 = 1.25;
+/// Points of a part that a contour with an end may separate: this many, and for each square of as many edges as pierce a face along it. It goes
+/// around the end of a short one in large sheets else, and comes to no verdict after all of their points.
+const FAR: [usize; 2] = [64, 4];
 
 /// Which sheet of a contour is on the wrong side.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +55,12 @@ impl Flood {
     /// Who came to a point last.
     fn owner(&self, point: u32) -> u32 {
         self.seen[point as usize]
+    }
+
+    /// Whether a search came to a point.
+    #[cfg(test)]
+    pub fn is_seen(&self, point: u32) -> bool {
+        self.owner(point) > 0
     }
 
     /// Whether a way leads along an edge.
@@ -96,8 +106,8 @@ fn by_layers(of: &Untangle, hits: &[Hit], contour: &Contour) -> Option<Verdict> 
     (first != second).then_some(Verdict { sheet: usize::from(second > first), in_front: false })
 }
 
-/// The smaller of both parts of a sheet; none if no edge of the sheet pierces the other one. A contour may end inside a sheet, at the border of
-/// the other one: then both parts meet around that end, halfway from the contour.
+/// The smaller of both parts of a sheet; none if no edge of the sheet pierces the other one, or if the contour separates none. It may end inside a
+/// sheet, at the border of the other one: then both parts meet around that end, halfway from the contour.
 fn smaller_part(of: &Untangle, flood: &mut Flood, hits: &[Hit], on: &[u32]) -> Option<Part> {
     let first = flood.start(2) + 1;
     let mut parts = [Growth::default(), Growth::default()];
@@ -106,8 +116,13 @@ fn smaller_part(of: &Untangle, flood: &mut Flood, hits: &[Hit], on: &[u32]) -> O
         parts[0].enter(flood, ends[hit.front], [first, first + 1]);
         parts[1].enter(flood, ends[1 - hit.front], [first + 1, first]);
     }
+    let far = FAR[0] + FAR[1] * on.len() * on.len();
+    let is_lost = |part: &Growth| part.pinned || part.points.len() > far;
     // Both grow by a point each in turn, so that the search takes about as long as the smaller one does.
     while !parts.iter().any(|part| part.is_complete() && !part.pinned) && !parts.iter().all(Growth::is_complete) {
+        if parts.iter().any(|part| part.open) && parts.iter().all(is_lost) {
+            return None;
+        }
         parts[0].grow(of, flood, [first, first + 1]);
         parts[1].grow(of, flood, [first + 1, first]);
     }

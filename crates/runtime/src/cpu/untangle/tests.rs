@@ -120,6 +120,16 @@ fn a_contour_that_stays_is_left_alone_for_a_time() {
     }
     // It stays for 1 s until it is left alone, and is moved again after 2 s.
     assert_eq!(moved, [true, true, true, true, false, false, false, true, true, true]);
+    let mut again = Vec::new();
+    for second in 3..140 {
+        let at = untangle.at.clone();
+        let points = points_of(&untangle);
+        // Always in the middle of a second.
+        untangle.pass(if second == 3 { 0.5 } else { 1.0 });
+        again.extend(untangle.look(|first, _| at[points[first]]).is_moved.then_some(second));
+    }
+    // It was moved for 3 s in all when the last look began.
+    assert_eq!(again, [4, 8, 16, 32, 64, 96, 128]);
 }
 
 #[test]
@@ -147,4 +157,52 @@ fn the_smaller_part_without_pins_is_wrong_and_layers_decide_first() {
     let mut layered = tangled(&two(0.3), &[4, 2]);
     let found = verdicts(&mut layered);
     assert!(found[0].is_some_and(|verdict| !verdict.in_front), "{found:?}");
+}
+
+#[test]
+fn a_contour_that_ends_in_both_sheets_decides_nothing_between_pins() {
+    let mut cloths = two(0.3);
+    // Half of each sheet is beside the other one.
+    let mut beside = Flat { origin: [0.0, -0.06, 0.5], down: [0.0, 0.0, -1.0], ..Flat::square("beside", 12) };
+    beside.right[1] = 0.2;
+    cloths[1] = beside.cloth().unwrap();
+    let mut untangle = tangled(&cloths, &[0, 0]);
+    let found = verdicts(&mut untangle);
+    assert!(found.len() == 1 && found[0].is_some(), "{found:?}");
+    // Pins on the left and the right of both.
+    for point in 0..untangle.at.len() {
+        untangle.free[point] = (untangle.at[point][0] - 0.5).abs() < 0.4;
+    }
+    assert_eq!(verdicts(&mut untangle), [None]);
+}
+
+#[test]
+fn a_short_contour_in_a_large_sheet_decides_nothing_and_looks_no_farther() {
+    let large = Flat { origin: [0.0, 0.0, 1.0], down: [0.0, 0.0, -1.0], ..Flat::square("large", 60) }.cloth().unwrap();
+    // It stands in the middle, half of it below.
+    let small = Flat {
+        origin: [0.45, -0.05, 0.503],
+        right: [0.1, 0.0, 0.0],
+        down: [0.0, 0.1, 0.0],
+        ..Flat::square("small", 6)
+    };
+    let mut untangle = tangled(&[large, small.cloth().unwrap()], &[0, 0]);
+    let hits = untangle.finder.find(&untangle.surface, &untangle.net, &untangle.at);
+    let contours = contour::contours(&untangle.net, &hits);
+    assert_eq!(contours.len(), 1);
+    let mut flood = side::Flood::new(&untangle, &hits);
+    let verdict = side::verdict(&untangle, &mut flood, &hits, &contours[0]);
+    let cloth =
+        |sheet: usize| untangle.cloth(untangle.net.edges[hits[contours[0].hits[sheet][0] as usize].edge as usize][0]);
+    assert_eq!(verdict.map(|verdict| cloth(verdict.sheet)), Some(1), "a half of the small one is wrong");
+    let seen =
+        (0..untangle.at.len() as u32).filter(|point| untangle.cloth(*point) == 0 && flood.is_seen(*point)).count();
+    // As many as two parts of the size that so many edges may separate.
+    let edges = contours[0]
+        .hits
+        .iter()
+        .flatten()
+        .filter(|n| untangle.cloth(untangle.net.edges[hits[**n as usize].edge as usize][0]) == 0)
+        .count();
+    assert!(seen <= 2 * (64 + 4 * edges * edges) + 2 && seen < 1800, "{seen} of 3600 points, {edges} edges");
 }
