@@ -103,13 +103,14 @@ struct Made {
 }
 
 impl Made {
-    /// With more pins and limits.
+    /// With more pins, limits and backstops.
     fn with(mut self, held: Option<&Held>) -> Self {
         let Some(held) = held else { return self };
         self.pinned.iter_mut().zip(&held.pinned).for_each(|(all, one)| *all |= one);
         let mut limits = self.limits.take().unwrap_or_else(|| vec![f32::INFINITY; self.pinned.len()]);
         limits.iter_mut().zip(&held.limits).for_each(|(all, one)| *all = all.min(*one));
         self.limits = limits.iter().any(|x| x.is_finite()).then_some(limits);
+        self.backstops = backstops::nearest(self.backstops.take(), &held.behind);
         self
     }
 }

@@ -73,6 +73,16 @@ pub(super) fn backstops(texels: &Texels<'_>, backstops: &[Backstop], unit: f64) 
     (out.iter().any(|x| x[0].is_finite()).then_some(out), met)
 }
 
+/// Backstops with those of other distances \[m\] behind each texel, infinite for none; `None` if no texel has one.
+pub(super) fn nearest(backstops: Option<Vec<[f32; 2]>>, behind: &[f32]) -> Option<Vec<[f32; 2]>> {
+    if behind.iter().all(|x| x.is_infinite()) {
+        return backstops;
+    }
+    let mut out = backstops.unwrap_or_else(|| vec![[f32::INFINITY, RADIUS as f32]; behind.len()]);
+    out.iter_mut().zip(behind).for_each(|(all, one)| *all = nearer(*all, [*one, RADIUS as f32]));
+    Some(out)
+}
+
 /// The one of the smaller distance, or of the smaller radius.
 fn nearer(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
     if b < a { b } else { a }

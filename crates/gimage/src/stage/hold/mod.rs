@@ -2,8 +2,10 @@
 //!
 //! Each garment is held by the first of these that it has: a ring around the body along its highest border (a collar, a waistband), with
 //! parts that lie on shoulders beside it; parts that lie on shoulders; its upper edge where that is near the body. A garment with none of
-//! them is held by its top. All lengths follow the height of the body.
+//! them is held by its top. All lengths follow the height of the body. Where one garment lies over another one near pins or the body, both keep this order
+//! by limits and backstops.
 
+mod over;
 mod report;
 mod rest;
 pub(crate) mod sheet;
@@ -28,6 +30,8 @@ pub struct Held {
     pub pinned: Vec<bool>,
     /// Largest distance \[m\] from its place on the skin, infinite for none.
     pub limits: Vec<f32>,
+    /// Largest distance \[m\] behind it, infinite for none.
+    pub behind: Vec<f32>,
     /// Where the mesh of the source is drawn, 0 on the skin and 1 on the cloth; empty if it is on the cloth everywhere.
     pub blend: Vec<f32>,
 }
@@ -35,7 +39,8 @@ pub struct Held {
 impl Held {
     /// A piece whose texels are free.
     pub fn free(texels: usize) -> Self {
-        Held { pinned: vec![false; texels], limits: vec![f32::INFINITY; texels], blend: Vec::new() }
+        let none = vec![f32::INFINITY; texels];
+        Held { pinned: vec![false; texels], limits: none.clone(), behind: none, blend: Vec::new() }
     }
 }
 
@@ -52,6 +57,10 @@ pub struct Hold {
     pub limited: f64,
     /// Pins inside of the body, and what was pinned beside them.
     pub tuck: Tuck,
+    /// The garments that lie over it near its pins or the body, by name.
+    pub over: Vec<String>,
+    /// Share of its area that is covered so, and stays near the skin.
+    pub covered: f64,
 }
 
 /// Pins and limits of all garments.
@@ -80,11 +89,12 @@ pub fn hold(wearer: &Wearer, pieces: &[Piece<'_>], families: &[Family<'_>]) -> H
         let pieces = &pieces[range.clone()];
         let sheet = Sheet::new(pieces, family.map_or(&[], |f| &f.rings));
         let name = family.map_or(&pieces[0].component.name, |f| &f.whole.name);
-        garment(wearer, &sheet, name)
+        garment(wearer, sheet, name)
     };
-    let made: Vec<(Vec<Held>, Hold)> = groups.par_iter().map(one).collect();
-    let (held, garments): (Vec<Vec<Held>>, Vec<Hold>) = made.into_iter().unzip();
-    Holds { pieces: held.into_iter().flatten().collect(), garments }
+    let mut garments: Vec<Garment> = groups.par_iter().map(one).collect();
+    over::run(wearer, &mut garments);
+    let pieces = garments.iter().flat_map(Garment::held).collect();
+    Holds { pieces, garments: garments.into_iter().map(|garment| garment.hold).collect() }
 }
 
 /// The pieces of each garment, and its family if it has several.
@@ -99,41 +109,63 @@ pub(crate) fn garments<'a, 'b>(
     groups
 }
 
-fn garment(wearer: &Wearer, sheet: &Sheet, name: &str) -> (Vec<Held>, Hold) {
-    let mut rest = rest::rest(wearer, sheet);
-    let mut pinned = spread::pinned(sheet, &rest);
-    if spread::share(sheet, &pinned) > rest::MOST {
+/// A garment, and how it is held, by its points.
+struct Garment {
+    sheet: Sheet,
+    pinned: Vec<bool>,
+    /// \[m\], as [`Held::limits`] and [`Held::behind`].
+    limits: Vec<f64>,
+    behind: Vec<f64>,
+    /// How far from pins limits end \[m\].
+    reach: f64,
+    hold: Hold,
+}
+
+impl Garment {
+    /// By texels, of each piece.
+    fn held(&self) -> impl Iterator<Item = Held> + '_ {
+        self.sheet.points.iter().map(|points| Held {
+            pinned: points.iter().map(|&p| self.pinned[p as usize]).collect(),
+            limits: points.iter().map(|&p| self.limits[p as usize] as f32).collect(),
+            behind: points.iter().map(|&p| self.behind[p as usize] as f32).collect(),
+            blend: Vec::new(),
+        })
+    }
+}
+
+fn garment(wearer: &Wearer, sheet: Sheet, name: &str) -> Garment {
+    let mut rest = rest::rest(wearer, &sheet);
+    let mut pinned = spread::pinned(&sheet, &rest);
+    if spread::share(&sheet, &pinned) > rest::MOST {
         // A collar or a belt that is narrower than the band.
         rest.narrow();
-        pinned = spread::pinned(sheet, &rest);
+        pinned = spread::pinned(&sheet, &rest);
     }
-    if rest.points.is_empty() || spread::share(sheet, &pinned) > rest::MOST {
-        rest = rest::top(sheet);
-        pinned = spread::pinned(sheet, &rest);
+    if rest.points.is_empty() || spread::share(&sheet, &pinned) > rest::MOST {
+        rest = rest::top(&sheet);
+        pinned = spread::pinned(&sheet, &rest);
     }
     let mut deeper = pinned.clone();
     // A garment that is inside for the most part is not held by what is inside.
-    let mut tuck = tuck::tuck(wearer, sheet, &mut deeper);
-    if spread::share(sheet, &deeper) > rest::MOST {
+    let mut tuck = tuck::tuck(wearer, &sheet, &mut deeper);
+    if spread::share(&sheet, &deeper) > rest::MOST {
         tuck.added = 0;
     } else {
         pinned = deeper;
     }
-    let limits = spread::limits(sheet, &pinned, rest.least, rest.reach);
+    let limits = spread::limits(&sheet, &pinned, rest.least, rest.reach);
     let limited: Vec<bool> = limits.iter().zip(&pinned).map(|(l, p)| l.is_finite() && !p).collect();
     let hold = Hold {
         name: name.to_owned(),
         rules: rest.rules,
-        pinned: spread::share(sheet, &pinned),
-        limited: spread::share(sheet, &limited),
+        pinned: spread::share(&sheet, &pinned),
+        limited: spread::share(&sheet, &limited),
         tuck,
+        over: Vec::new(),
+        covered: 0.0,
     };
-    let held = |points: &[u32]| Held {
-        pinned: points.iter().map(|&p| pinned[p as usize]).collect(),
-        limits: points.iter().map(|&p| limits[p as usize] as f32).collect(),
-        blend: Vec::new(),
-    };
-    (sheet.points.iter().map(|points| held(points)).collect(), hold)
+    let behind = vec![f64::INFINITY; pinned.len()];
+    Garment { sheet, pinned, limits, behind, reach: rest.reach, hold }
 }
 
 #[cfg(test)]

@@ -48,6 +48,19 @@ pub(super) fn findings(garments: &[Hold]) -> Vec<Finding> {
         );
         out.push(finding(Severity::Note, "hint-tucked", &tucked, message));
     }
+    let covered: Vec<&Hold> = garments.iter().filter(|h| !h.over.is_empty()).collect();
+    if !covered.is_empty() {
+        let one =
+            |hold: &&Hold| format!("{} over {} ({:.1} %)", hold.over.join(" and "), hold.name, 100.0 * hold.covered);
+        let mut listed = covered.iter().take(MAX_EXAMPLES).map(one).collect::<Vec<_>>().join("; ");
+        if covered.len() > MAX_EXAMPLES {
+            listed += &format!("; and {} more", covered.len() - MAX_EXAMPLES);
+        }
+        let message = format!(
+            "Garments lie over others: {listed}. Near pins and the body, what is covered stays near the skin, and what covers it stays in front. Choose otherwise with --pin."
+        );
+        out.push(finding(Severity::Note, "hint-layers", &covered, message));
+    }
     let (loose, held): (Vec<&Hold>, Vec<&Hold>) = garments.iter().partition(|h| h.rules.contains(&Rule::Top));
     if !held.is_empty() {
         let message = format!("Pinned where garments rest on the body: {}. Choose otherwise with --pin.", list(&held));

@@ -32,7 +32,7 @@ impl Rule {
 // Lengths, as shares of the height of body and garment together.
 
 /// Distance within which cloth rests on the body: 4.5 cm of a person.
-const NEAR: f64 = 0.025;
+pub(super) const NEAR: f64 = 0.025;
 /// Height of the upper part of a garment, in which it may be held.
 const WINDOW: f64 = 0.08;
 /// The same, as a share of the height of the garment.
@@ -55,6 +55,8 @@ const UP: f64 = 0.6;
 /// Length of the sum of the horizontal normals along a border, as a share of the sum of their lengths, from which the border does not go
 /// around anything.
 const ONE_SIDED: f64 = 0.6;
+/// Height of the highest point of a ring in its garment, as a share of the height of that, at least.
+const UPPER: f64 = 0.5;
 /// Share of a ring that is near the body.
 const TIGHT: f64 = 0.8;
 /// Share of what is beside a ring that has to lie on top of the body to be held.
@@ -89,6 +91,11 @@ impl Rest {
     }
 }
 
+/// Height of the body and a garment together \[m\].
+pub(super) fn height(wearer: &Wearer, [low, high]: [f64; 2]) -> f64 {
+    wearer.span[1].max(high) - wearer.span[0].min(low)
+}
+
 /// A garment beside the body.
 struct Worn<'a> {
     wearer: &'a Wearer,
@@ -104,7 +111,7 @@ struct Worn<'a> {
 /// Where a garment rests, by the first rules that apply.
 pub(super) fn rest(wearer: &Wearer, sheet: &Sheet) -> Rest {
     let [low, high] = sheet.span();
-    let height = wearer.span[1].max(high) - wearer.span[0].min(low);
+    let height = height(wearer, [low, high]);
     let window = high - (WINDOW * height).min(WINDOW_OF_GARMENT * (high - low));
     let near = |p: &[f64; 3]| if p[1] >= window { wearer.near(*p) } else { (f64::INFINITY, 0.0) };
     let near = sheet.positions.iter().map(near).collect();
@@ -171,7 +178,10 @@ impl Worn<'_> {
         let across = |p: usize| [self.sheet.normals[p][0], 0.0, self.sheet.normals[p][2]];
         let lengths: f64 = border.iter().map(|&p| norm(across(p as usize))).sum();
         let one_sided = norm(of(&across)) * border.len() as f64 > ONE_SIDED * lengths;
-        if one_sided || highest - lowest > RING * self.height {
+        let [bottom, top] = self.sheet.span();
+        // Trousers whose waist is closed have no border above their hems.
+        let is_low = highest < bottom + UPPER * (top - bottom);
+        if one_sided || is_low || highest - lowest > RING * self.height {
             return Vec::new();
         }
         let near = |p: &&u32| {

@@ -20,6 +20,8 @@ pub(crate) struct Sheet {
     pub normals: Vec<[f64; 3]>,
     /// Area of each point \[m2\].
     pub areas: Vec<f64>,
+    /// Points of each triangle.
+    pub triangles: Vec<[u32; 3]>,
     /// The points of each border, by its number.
     pub borders: Vec<Vec<u32>>,
     /// For each point the first of its neighbours; one more at the end.
@@ -42,6 +44,7 @@ impl Sheet {
             positions: vec![[0.0; 3]; count],
             normals: vec![[0.0; 3]; count],
             areas: vec![0.0; count],
+            triangles: Vec::new(),
             borders: Vec::new(),
             first: Vec::new(),
             around: Vec::new(),
@@ -69,7 +72,9 @@ impl Sheet {
     fn measure(&mut self, pieces: &[Piece<'_>]) {
         for (Piece { image, .. }, points) in pieces.iter().zip(&self.points) {
             for corners in image.grid.triangulate() {
-                let corners = corners.map(|k| points[k as usize] as usize);
+                let corners = corners.map(|k| points[k as usize]);
+                self.triangles.push(corners);
+                let corners = corners.map(|p| p as usize);
                 let [a, b, c] = corners.map(|p| self.positions[p]);
                 let n = cross(sub(b, a), sub(c, a));
                 for p in corners {

@@ -80,6 +80,19 @@ fn held(garment: Mesh) -> (Hold, Held, Vec<[f64; 3]>) {
     })
 }
 
+/// How two garments are held that are worn together, with the position of each texel.
+fn both(first: Mesh, second: Mesh) -> [(Hold, Held, Vec<[f64; 3]>); 2] {
+    of_piece(first, |first| {
+        of_piece(second, |second| {
+            let positions = [&first, &second].map(|piece| piece.image.grid.positions.clone());
+            let Holds { pieces, garments } = hold(&Wearer::new(&body()).unwrap(), &[first, second], &[]);
+            let each = garments.into_iter().zip(pieces).zip(positions);
+            let each: Vec<_> = each.map(|((hold, held), positions)| (hold, held, positions)).collect();
+            each.try_into().unwrap()
+        })
+    })
+}
+
 /// Lowest and highest point that is pinned.
 fn span(held: &Held, positions: &[[f64; 3]]) -> [f64; 2] {
     let pinned = positions.iter().zip(&held.pinned).filter(|x| *x.1).map(|x| x.0[1]);
@@ -181,4 +194,68 @@ fn a_share_of_nothing_has_no_sign() {
         spread::share(&sheet, &vec![false; sheet.positions.len()])
     });
     assert_eq!(format!("{share:.1}"), "0.0");
+}
+
+/// A tube of a radius, between two heights.
+fn tube(radius: impl Fn(f64) -> f64, [high, low]: [f64; 2]) -> Mesh {
+    let rows = (0..=12).map(|k| f64::from(k) / 12.0).map(|t| (radius(t), high + t * (low - high)));
+    revolved(&rows.collect::<Vec<_>>())
+}
+
+#[test]
+fn a_shirt_stays_over_the_waistband_that_it_covers() {
+    let trousers = || tube(|_| 0.165, [1.0, 0.5]);
+    let mut profile = shoulders(0.03, 0.07);
+    profile.extend((1..=9).map(|k| (0.18, 1.35 - 0.05 * f64::from(k))));
+    let (_, alone, _) = held(trousers());
+    let [(under, lower, at), (over, upper, there)] = both(trousers(), revolved(&profile));
+    assert!(under.over == [over.name] && over.over.is_empty() && under.covered > 0.1, "{under:?} {:?}", over.over);
+    let near = |x: f32| (f64::from(x) - 0.006).abs() < 5e-4;
+    let (mut covered, mut behind) = (0, 0);
+    for (k, p) in at.iter().enumerate().filter(|(k, _)| !lower.pinned[*k]) {
+        assert!(p[1] < 0.91 || near(lower.limits[k]), "{p:?} {}", lower.limits[k]);
+        assert!(p[1] > 0.89 || lower.limits[k] == alone.limits[k], "{p:?} {}", lower.limits[k]);
+        covered += usize::from(p[1] > 0.91);
+    }
+    for (k, p) in there.iter().enumerate() {
+        assert!(p[1] > 0.99 || near(upper.behind[k]), "{p:?} {}", upper.behind[k]);
+        assert!(p[1] < 1.02 || upper.behind[k].is_infinite(), "{p:?} {}", upper.behind[k]);
+        behind += usize::from(p[1] < 0.99);
+    }
+    assert!(covered > 20 && behind > 20 && lower.behind.iter().all(|x| x.is_infinite()), "{covered} {behind}");
+    let said = Holds { pieces: Vec::new(), garments: vec![under] }.findings();
+    assert!(said.iter().any(|f| f.kind == "hint-layers"), "{said:?}");
+}
+
+#[test]
+fn a_lining_is_free_where_it_is_far_from_pins_and_the_body() {
+    let skirt = |off: f64| tube(move |t| 0.16 + off + 0.4 * t, [0.95, 0.45]);
+    let [(under, lower, at), (_, upper, there)] = both(skirt(0.0), skirt(0.015));
+    assert_eq!(under.over.len(), 1);
+    let free = |p: &[f64; 3]| p[1] < 0.95 - 0.2;
+    let all = at.iter().zip(&lower.limits).chain(there.iter().zip(&upper.behind));
+    let far: Vec<f32> = all.filter(|(p, _)| free(p)).map(|(_, x)| *x).collect();
+    assert!(far.len() > 100 && far.iter().all(|x| x.is_infinite()));
+    assert!(upper.behind.iter().any(|x| x.is_finite()));
+}
+
+#[test]
+fn garments_whose_normals_point_inwards_have_no_order() {
+    let turned = |mut mesh: Mesh| {
+        mesh.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+        mesh
+    };
+    let [(under, ..), (over, ..)] = both(turned(tube(|_| 0.165, [1.0, 0.5])), turned(tube(|_| 0.18, [1.1, 0.9])));
+    assert!(under.over.is_empty() && over.over.is_empty(), "{under:?} {over:?}");
+}
+
+#[test]
+fn trousers_with_a_closed_waist_are_not_held_by_their_hems() {
+    // A leg whose upper end is closed by a disk that faces up.
+    let mut profile = vec![(0.001, 0.96), (0.05, 0.96), (0.1, 0.96), (0.16, 0.96)];
+    profile.extend((1..=10).map(|k| (0.16, 0.96 - 0.09 * f64::from(k))));
+    let (hold, held, positions) = held(revolved(&profile));
+    assert!(!hold.rules.contains(&Rule::Ring), "{hold:?}");
+    let [low, high] = span(&held, &positions);
+    assert!(low > 0.8 && high > 0.959, "{low} {high} {hold:?}");
 }

@@ -1,0 +1,150 @@
+//! Garments that lie over others, such as a shirt over a waistband: near the pins of the lower one, and where the body is near, they stay in this order
+//! without contact of cloth with cloth. What is covered has a limit, what covers it a backstop, each of less than half the distance between both.
+//!
+//! Elsewhere layers are free: the lining of a skirt swings as the skirt does.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::rest::{NEAR, height};
+use super::sheet::Sheet;
+use super::wearer::Wearer;
+use super::{Garment, Rule, spread};
+use crate::base::closest::Closest;
+use crate::base::vec3::{cross, distance, dot, normalize, scale, sub};
+
+/// Share of the distance of two layers that each of them may go towards the other one.
+const TOWARDS: f64 = 0.4;
+/// The smallest limit, as a share of the height of the body.
+const LEAST: f64 = 1e-4;
+/// Cosine of the angle between the normals of layers at most, and of that between a normal and the way to the other layer: beside a border that way leads across.
+const ALIKE: f64 = 0.5;
+const ACROSS: f64 = 0.7;
+
+/// Finds the layers of all garments that rest on the body. O(n log n) in the points of garments that are near one another.
+pub(super) fn run(wearer: &Wearer, garments: &mut [Garment]) {
+    let faces = |g: &Garment| !g.hold.rules.contains(&Rule::Top) && faces_out(&g.sheet);
+    let worn: Vec<usize> = (0..garments.len()).filter(|g| faces(&garments[*g])).collect();
+    if worn.len() < 2 {
+        return;
+    }
+    let surfaces: Vec<Surface> = worn.par_iter().map(|g| Surface::new(&garments[*g].sheet)).collect();
+    for (lower, below) in worn.iter().zip(&surfaces) {
+        let tall = height(wearer, garments[*lower].sheet.span());
+        let near = NEAR * tall;
+        let mut covered = vec![f64::INFINITY; garments[*lower].pinned.len()];
+        let mut held: Option<Vec<bool>> = None;
+        for (upper, above) in worn.iter().zip(&surfaces).filter(|(upper, _)| *upper != lower) {
+            if !below.meets(above, near) {
+                continue;
+            }
+            let held = held.get_or_insert_with(|| held_points(wearer, &garments[*lower], near));
+            let gaps = above.gaps(&garments[*lower].sheet, -1.0, near, |p| held[p]);
+            if gaps.iter().all(|gap| gap.is_infinite()) {
+                continue;
+            }
+            // What covers points that are not held stays free.
+            let is_held =
+                |t: u32| garments[*lower].sheet.triangles[t as usize].iter().any(|p| gaps[*p as usize].is_finite());
+            let over = below.gaps_of(&garments[*upper].sheet, 1.0, near, |_| true, is_held);
+            covered.iter_mut().zip(&gaps).for_each(|(all, gap)| *all = all.min(*gap));
+            let upper = &mut garments[*upper];
+            let name = upper.hold.name.clone();
+            for ((behind, gap), pinned) in upper.behind.iter_mut().zip(over).zip(&upper.pinned) {
+                if gap.is_finite() && !pinned {
+                    *behind = behind.min((TOWARDS * gap).max(LEAST * tall));
+                }
+            }
+            garments[*lower].hold.over.push(name);
+        }
+        let lower = &mut garments[*lower];
+        for ((limit, gap), pinned) in lower.limits.iter_mut().zip(&covered).zip(&lower.pinned) {
+            if gap.is_finite() && !pinned {
+                *limit = limit.min((TOWARDS * gap).max(LEAST * tall));
+            }
+        }
+        let is_covered: Vec<bool> = covered.iter().map(|gap| gap.is_finite()).collect();
+        lower.hold.covered = spread::share(&lower.sheet, &is_covered);
+    }
+}
+
+/// The points of a garment that limits may hold: near its pins, or near the body.
+fn held_points(wearer: &Wearer, garment: &Garment, near: f64) -> Vec<bool> {
+    let pins = (0..garment.pinned.len() as u32).filter(|p| garment.pinned[*p as usize]);
+    let far = garment.sheet.distances(pins, garment.reach);
+    let points = far.par_iter().zip(&garment.sheet.positions);
+    points.map(|(far, p)| far.is_finite() || wearer.near(*p).0 <= near).collect()
+}
+
+/// Whether the normals of a garment point away from its middle, as backstops need them.
+fn faces_out(sheet: &Sheet) -> bool {
+    let total: f64 = sheet.areas.iter().sum();
+    let middle = |c: usize| sheet.positions.iter().zip(&sheet.areas).map(|(p, area)| area * p[c]).sum::<f64>() / total;
+    let middle = [0, 1, 2].map(middle);
+    let each = sheet.positions.iter().zip(&sheet.normals).zip(&sheet.areas);
+    each.map(|((p, n), area)| area * dot(*n, sub(*p, middle))).sum::<f64>() > 0.0
+}
+
+/// The surface of a garment, ready for queries.
+struct Surface {
+    closest: Closest,
+    /// Unit normals of its triangles.
+    normals: Vec<[f64; 3]>,
+    /// The box around it \[m\].
+    bounds: [Range<f64>; 3],
+}
+
+impl Surface {
+    fn new(sheet: &Sheet) -> Self {
+        let normal = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|p| sheet.positions[p as usize]);
+            normalize(cross(sub(b, a), sub(c, a)))
+        };
+        let range = |c: usize| {
+            let each = || sheet.positions.iter().map(move |p| p[c]);
+            each().fold(f64::INFINITY, f64::min)..each().fold(f64::NEG_INFINITY, f64::max)
+        };
+        Surface {
+            closest: Closest::new(&sheet.positions, &sheet.triangles),
+            normals: sheet.triangles.iter().map(normal).collect(),
+            bounds: [0, 1, 2].map(range),
+        }
+    }
+
+    /// Whether boxes around both are at most `near` \[m\] apart.
+    fn meets(&self, other: &Surface, near: f64) -> bool {
+        self.bounds.iter().zip(&other.bounds).all(|(a, b)| a.start <= b.end + near && b.start <= a.end + near)
+    }
+
+    /// The distance \[m\] of each of some points of a garment in front of this one (`side` 1) or behind it (-1), up to `near` \[m\], where both are layers; infinite
+    /// elsewhere.
+    fn gaps(&self, sheet: &Sheet, side: f64, near: f64, asked: impl Fn(usize) -> bool + Sync) -> Vec<f64> {
+        self.gaps_of(sheet, side, near, asked, |_| true)
+    }
+
+    /// The same, of some triangles of this surface alone.
+    fn gaps_of(
+        &self,
+        sheet: &Sheet,
+        side: f64,
+        near: f64,
+        asked: impl Fn(usize) -> bool + Sync,
+        counts: impl Fn(u32) -> bool + Sync,
+    ) -> Vec<f64> {
+        let inside =
+            |p: &[f64; 3]| (0..3).all(|c| self.bounds[c].start - near <= p[c] && p[c] <= self.bounds[c].end + near);
+        let gap = |p: usize| {
+            let (at, normal) = (sheet.positions[p], sheet.normals[p]);
+            if !asked(p) || !inside(&at) {
+                return None;
+            }
+            let found = self.closest.project(at).filter(|found| found.distance <= near && counts(found.triangle))?;
+            let there = self.normals[found.triangle as usize];
+            let far = distance(at, found.point);
+            let way = scale(sub(at, found.point), side / far);
+            (dot(there, normal) > ALIKE && far > 0.0 && dot(way, there) > ACROSS).then_some(far)
+        };
+        (0..sheet.positions.len()).into_par_iter().map(|p| gap(p).unwrap_or(f64::INFINITY)).collect()
+    }
+}
