@@ -1,5 +1,5 @@
 //! Garments that lie over others, such as a shirt over a waistband: near the pins of the lower one, and where the body is near, they stay in this order
-//! without contact of cloth with cloth. What is covered has a limit, what covers it a backstop, each of less than half the distance between both.
+//! without contact of cloth with cloth. Covered points have a limit, those that cover them a backstop, each of less than half the distance between both.
 //!
 //! Elsewhere layers are free: the lining of a skirt swings as the skirt does.
 
@@ -14,8 +14,12 @@ use super::{Garment, Rule, spread};
 use crate::base::closest::Closest;
 use crate::base::vec3::{cross, distance, dot, normalize, scale, sub};
 
-/// Share of the distance of two layers that each of them may go towards the other one.
-const TOWARDS: f64 = 0.4;
+/// Share of the distance of two layers that each of them may go towards the other one: triangles between points need room, too.
+const TOWARDS: f64 = 0.35;
+/// Rounds in which points most of whose neighbours are layers become layers: creases leave holes.
+const CLOSED: usize = 2;
+/// Rings of points beyond the border of the lower layer that have a backstop too: it would cut through the triangles there.
+const BEYOND: usize = 2;
 /// The smallest limit, as a share of the height of the body.
 const LEAST: f64 = 1e-4;
 /// Cosine of the angle between the normals of layers at most, and of that between a normal and the way to the other layer: beside a border that way leads across.
@@ -44,10 +48,13 @@ pub(super) fn run(wearer: &Wearer, garments: &mut [Garment]) {
             if gaps.iter().all(|gap| gap.is_infinite()) {
                 continue;
             }
-            // What covers points that are not held stays free.
+            // Cloth over points that are not held stays free.
             let is_held =
                 |t: u32| garments[*lower].sheet.triangles[t as usize].iter().any(|p| gaps[*p as usize].is_finite());
-            let over = below.gaps_of(&garments[*upper].sheet, 1.0, near, |_| true, is_held);
+            let mut over = below.gaps_of(&garments[*upper].sheet, 1.0, near, |_| true, is_held);
+            for _ in 0..BEYOND {
+                over = beyond(&garments[*upper].sheet, &over);
+            }
             covered.iter_mut().zip(&gaps).for_each(|(all, gap)| *all = all.min(*gap));
             let upper = &mut garments[*upper];
             let name = upper.hold.name.clone();
@@ -145,6 +152,30 @@ impl Surface {
             let way = scale(sub(at, found.point), side / far);
             (dot(there, normal) > ALIKE && far > 0.0 && dot(way, there) > ACROSS).then_some(far)
         };
-        (0..sheet.positions.len()).into_par_iter().map(|p| gap(p).unwrap_or(f64::INFINITY)).collect()
+        let mut gaps: Vec<f64> =
+            (0..sheet.positions.len()).into_par_iter().map(|p| gap(p).unwrap_or(f64::INFINITY)).collect();
+        for _ in 0..CLOSED {
+            gaps = (0..gaps.len()).map(|p| if asked(p) { closed(sheet, &gaps, p) } else { gaps[p] }).collect();
+        }
+        gaps
     }
+}
+
+/// The gap of a point; the smallest one of its neighbours if it has none and most of these have one.
+fn closed(sheet: &Sheet, gaps: &[f64], point: usize) -> f64 {
+    if gaps[point].is_finite() {
+        return gaps[point];
+    }
+    let around = || sheet.neighbours(point as u32).map(|p| gaps[p as usize]);
+    let found = around().filter(|gap| gap.is_finite()).count();
+    if 2 * found > around().count() { around().fold(f64::INFINITY, f64::min) } else { f64::INFINITY }
+}
+
+/// Gaps with those of points beside points that have one, larger by the way to these.
+fn beyond(sheet: &Sheet, gaps: &[f64]) -> Vec<f64> {
+    let next = |p: usize| {
+        let way = |q: u32| gaps[q as usize] + distance(sheet.positions[p], sheet.positions[q as usize]);
+        sheet.neighbours(p as u32).map(way).fold(f64::INFINITY, f64::min)
+    };
+    (0..gaps.len()).map(|p| if gaps[p].is_finite() { gaps[p] } else { next(p) }).collect()
 }

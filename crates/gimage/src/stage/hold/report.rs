@@ -57,7 +57,7 @@ pub(super) fn findings(garments: &[Hold]) -> Vec<Finding> {
             listed += &format!("; and {} more", covered.len() - MAX_EXAMPLES);
         }
         let message = format!(
-            "Garments lie over others: {listed}. Near pins and the body, what is covered stays near the skin, and what covers it stays in front. Choose otherwise with --pin."
+            "Garments lie over others: {listed}. Near pins and the body, covered cloth stays near the skin, and the cloth over it stays in front. Choose otherwise with --pin."
         );
         out.push(finding(Severity::Note, "hint-layers", &covered, message));
     }

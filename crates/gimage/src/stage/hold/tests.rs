@@ -210,7 +210,7 @@ fn a_shirt_stays_over_the_waistband_that_it_covers() {
     let (_, alone, _) = held(trousers());
     let [(under, lower, at), (over, upper, there)] = both(trousers(), revolved(&profile));
     assert!(under.over == [over.name] && over.over.is_empty() && under.covered > 0.1, "{under:?} {:?}", over.over);
-    let near = |x: f32| (f64::from(x) - 0.006).abs() < 5e-4;
+    let near = |x: f32| (f64::from(x) - 0.35 * 0.015).abs() < 5e-4;
     let (mut covered, mut behind) = (0, 0);
     for (k, p) in at.iter().enumerate().filter(|(k, _)| !lower.pinned[*k]) {
         assert!(p[1] < 0.91 || near(lower.limits[k]), "{p:?} {}", lower.limits[k]);
@@ -219,7 +219,7 @@ fn a_shirt_stays_over_the_waistband_that_it_covers() {
     }
     for (k, p) in there.iter().enumerate() {
         assert!(p[1] > 0.99 || near(upper.behind[k]), "{p:?} {}", upper.behind[k]);
-        assert!(p[1] < 1.02 || upper.behind[k].is_infinite(), "{p:?} {}", upper.behind[k]);
+        assert!(p[1] < 1.12 || upper.behind[k].is_infinite(), "{p:?} {}", upper.behind[k]);
         behind += usize::from(p[1] < 0.99);
     }
     assert!(covered > 20 && behind > 20 && lower.behind.iter().all(|x| x.is_infinite()), "{covered} {behind}");

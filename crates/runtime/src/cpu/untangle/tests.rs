@@ -197,7 +197,7 @@ fn a_short_contour_in_a_large_sheet_decides_nothing_and_looks_no_farther() {
     assert_eq!(verdict.map(|verdict| cloth(verdict.sheet)), Some(1), "a half of the small one is wrong");
     let seen =
         (0..untangle.at.len() as u32).filter(|point| untangle.cloth(*point) == 0 && flood.is_seen(*point)).count();
-    // As many as two parts of the size that so many edges may separate.
+    // At most two parts of the size that these edges may separate.
     let edges = contours[0]
         .hits
         .iter()
