@@ -232,7 +232,7 @@ fn a_lining_is_free_where_it_is_far_from_pins_and_the_body() {
     let skirt = |off: f64| tube(move |t| 0.16 + off + 0.4 * t, [0.95, 0.45]);
     let [(under, lower, at), (_, upper, there)] = both(skirt(0.0), skirt(0.015));
     assert_eq!(under.over.len(), 1);
-    let free = |p: &[f64; 3]| p[1] < 0.95 - 0.2;
+    let free = |p: &[f64; 3]| p[1] < 0.95 - 0.3;
     let all = at.iter().zip(&lower.limits).chain(there.iter().zip(&upper.behind));
     let far: Vec<f32> = all.filter(|(p, _)| free(p)).map(|(_, x)| *x).collect();
     assert!(far.len() > 100 && far.iter().all(|x| x.is_infinite()));
