@@ -16,6 +16,8 @@ use crate::base::vec3::{cross, distance, dot, normalize, scale, sub};
 
 /// Share of the distance of two layers that each of them may go towards the other one: triangles between points need room, too.
 const TOWARDS: f64 = 0.35;
+/// Share of the area of the lower garment from which it counts as covered: a backstop is a pass of its own.
+const WORTH_IT: f64 = 0.005;
 /// Rounds in which points most of whose neighbours are layers become layers: creases leave holes.
 const CLOSED: usize = 2;
 /// Rings of points beyond the border of the lower layer that have a backstop too: it would cut through the triangles there.
@@ -45,7 +47,8 @@ pub(super) fn run(wearer: &Wearer, garments: &mut [Garment]) {
             }
             let held = held.get_or_insert_with(|| held_points(wearer, &garments[*lower], near));
             let gaps = above.gaps(&garments[*lower].sheet, -1.0, near, |p| held[p]);
-            if gaps.iter().all(|gap| gap.is_infinite()) {
+            let is_covered: Vec<bool> = gaps.iter().map(|gap| gap.is_finite()).collect();
+            if spread::share(&garments[*lower].sheet, &is_covered) < WORTH_IT {
                 continue;
             }
             // Cloth over points that are not held stays free.
