@@ -49,6 +49,15 @@ pub(crate) fn following(mesh: &Mesh) -> Vec<Following> {
     out
 }
 
+/// The joints that move the mesh, by number.
+pub(super) fn joints(mesh: &Mesh) -> BTreeSet<u32> {
+    if is_skinned(mesh) {
+        moved(mesh, &pieces(mesh)).into_values().flat_map(|m| m.joints).collect()
+    } else {
+        BTreeSet::new()
+    }
+}
+
 /// For each triangle whether its part is solid on its connected piece.
 pub(super) fn solid(mesh: &Mesh) -> Vec<bool> {
     let piece = pieces(mesh);

@@ -178,12 +178,19 @@ pub fn select(mesh: Mesh, options: &SelectOptions) -> Result<Selected> {
     Ok(Selected { mesh, findings })
 }
 
-/// Refuses a skinned file of which no part looks like cloth, unless the options choose parts: all of it would become cloth.
+/// Refuses a skinned file of which no part looks like cloth, and one of a single part that has hands or a face, unless the options choose parts: all of it would
+/// become cloth.
 ///
-/// Errors: [`Error::Option`], which lists the parts and what they look like.
+/// Errors: [`Error::Option`], which lists the parts and what they look like, or says how to choose components.
 pub(crate) fn demand_cloth(file: &str, mesh: &Mesh, options: &SelectOptions) -> Result<()> {
     if !(options.cloth.is_empty() && options.body.is_empty() && options.rigid.is_empty()) {
         return Ok(());
+    }
+    let is_single = mesh.triangle_part.iter().all(|p| *p == mesh.triangle_part[0]);
+    if let Some(joint) = is_single.then(|| bare_joint(mesh)).flatten() {
+        let problem = format!("the one part of {file} follows the joint {joint}: hands and face would become cloth");
+        let hint = "name its garments with --cloth component:K,...; `gimage list` shows the numbers, sizes and loops of its components (`*` takes all of it)";
+        return Err(Error::Option { option: "cloth".into(), problem, hint: hint.into() });
     }
     let verdicts = roles(mesh, options)?;
     if mesh.triangle_part.iter().any(|p| verdicts[*p as usize].looks_like == Role::Cloth) {
@@ -195,6 +202,12 @@ pub(crate) fn demand_cloth(file: &str, mesh: &Mesh, options: &SelectOptions) -> 
 }
 
 /// The finding about a choice; none if all parts are cloth and look like it.
+/// The first joint that moves a part of the mesh and is one of a hand or a face.
+fn bare_joint(mesh: &Mesh) -> Option<&str> {
+    let names = facts::joints(mesh).into_iter().filter_map(|joint| mesh.skeleton.joints.get(joint as usize));
+    names.map(|joint| joint.name.as_str()).find(|name| words::is_bare(name))
+}
+
 pub(crate) fn findings(mesh: &Mesh, verdicts: &[Verdict], options: &SelectOptions) -> Vec<Finding> {
     let asked = !(options.cloth.is_empty() && options.body.is_empty() && options.rigid.is_empty());
     let of = |p: &u32| &verdicts[*p as usize];

@@ -180,6 +180,27 @@ fn a_skinned_file_without_cloth_is_built_whole_with_a_warning() {
 }
 
 #[test]
+fn dressing_a_character_of_one_part_asks_for_its_components() {
+    let named = |name: &str| {
+        let mut one = mesh(&[("Mesh", "", TWO)]);
+        one.skeleton.joints[1].name = name.into();
+        one
+    };
+    for name in ["ThumbFinger0_Left", "mixamorig:LeftHandIndex1", "J_Adj_L_FaceEye"] {
+        let error = demand_cloth("a.vrm", &named(name), &SelectOptions::default()).unwrap_err().to_string();
+        assert!(error.contains(name) && error.contains("--cloth component:K"), "{error}");
+        demand_cloth("a.vrm", &named(name), &of(&["component:0"], &[], &[])).unwrap();
+    }
+    // A sleeve follows a hand, a hood a head; joints that nothing follows do not count.
+    for name in ["LeftHand", "Head", "Spine1"] {
+        demand_cloth("jacket.glb", &named(name), &SelectOptions::default()).unwrap();
+    }
+    let mut other = named("Spine");
+    other.skeleton.joints[5].name = "LeftEye".into();
+    demand_cloth("jacket.glb", &other, &SelectOptions::default()).unwrap();
+}
+
+#[test]
 fn dressing_a_skinned_file_without_cloth_is_refused_with_its_parts() {
     let all = mesh(&[("Head", "", TWO), ("Staff", "", ONE)]);
     let error = demand_cloth("knight.glb", &all, &SelectOptions::default()).unwrap_err().to_string();

@@ -20,6 +20,9 @@ const RIGID: &str = "amulet armor armour arrow axe backpack badge bag bandolier 
     lantern mask mug necklace pauldron pauldrons pendant pistol pouch pumpkin quiver rifle ring sandal sandals satchel \
     scabbard sheath shield shoe shoes sneakers socket spear spellbook staff stick sword wand weapon zip zipper";
 
+/// Words of joints that move hands and faces, and no garment but gloves and masks.
+const BARE: &str = "eye eyes finger fingers index jaw pinky thumb";
+
 /// Parts of a body that garments cover, so that a garment's part has such a name too. A head below a hood is a head.
 const COVERED: &str = "arm arms body leg legs neck torso";
 
@@ -46,6 +49,11 @@ pub(super) fn role(name: &str) -> Option<(Role, String)> {
         None
     };
     Some(before.unwrap_or(last))
+}
+
+/// Whether the name of a joint tells that it moves a hand or a face.
+pub(super) fn is_bare(joint: &str) -> bool {
+    words(joint).iter().any(|word| is_of(BARE, word))
 }
 
 /// Whether a word tells a part of a body that garments cover too.
