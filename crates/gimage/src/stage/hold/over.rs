@@ -28,9 +28,10 @@ const LEAST: f64 = 1e-4;
 const ALIKE: f64 = 0.5;
 const ACROSS: f64 = 0.7;
 
-/// Finds the layers of all garments that rest on the body. O(n log n) in the points of garments that are near one another.
+/// Finds the layers of all garments that a ring or shoulders hold: a pocket, which its edge holds, would nail the shirt beneath to the skin. O(n log n) in the points of garments that are near one another.
 pub(super) fn run(wearer: &Wearer, garments: &mut [Garment]) {
-    let faces = |g: &Garment| !g.hold.rules.contains(&Rule::Top) && faces_out(&g.sheet);
+    let is_worn = |rule: &Rule| matches!(rule, Rule::Ring | Rule::Shoulders);
+    let faces = |g: &Garment| g.hold.rules.iter().any(is_worn) && faces_out(&g.sheet);
     let worn: Vec<usize> = (0..garments.len()).filter(|g| faces(&garments[*g])).collect();
     if worn.len() < 2 {
         return;

@@ -259,3 +259,17 @@ fn trousers_with_a_closed_waist_are_not_held_by_their_hems() {
     let [low, high] = span(&held, &positions);
     assert!(low > 0.8 && high > 0.959, "{low} {high} {hold:?}");
 }
+
+#[test]
+fn a_pocket_does_not_hold_the_shirt_beneath() {
+    let mut profile = shoulders(0.01, 0.07);
+    profile.extend((1..=9).map(|k| (0.16, 1.35 - 0.05 * f64::from(k))));
+    // A part of a tube about the same axis, 2 mm in front of the chest.
+    let pocket = sheet(|u, v| {
+        let (sin, cos) = (0.8 * u - 0.4).sin_cos();
+        [0.162 * cos, 1.25 - 0.12 * v, 0.162 * sin]
+    });
+    let [(shirt, ..), (own, upper, _)] = both(revolved(&profile), pocket);
+    assert_eq!(own.rules, [Rule::Edge]);
+    assert!(shirt.over.is_empty() && upper.behind.iter().all(|x| x.is_infinite()), "{shirt:?}");
+}
