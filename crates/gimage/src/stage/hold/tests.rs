@@ -266,7 +266,7 @@ fn a_pocket_does_not_hold_the_shirt_beneath() {
     profile.extend((1..=9).map(|k| (0.16, 1.35 - 0.05 * f64::from(k))));
     // A part of a tube about the same axis, 2 mm in front of the chest.
     let pocket = sheet(|u, v| {
-        let (sin, cos) = (0.8 * u - 0.4).sin_cos();
+        let (sin, cos) = (0.4 - 0.8 * u).sin_cos();
         [0.162 * cos, 1.25 - 0.12 * v, 0.162 * sin]
     });
     let [(shirt, ..), (own, upper, _)] = both(revolved(&profile), pocket);
