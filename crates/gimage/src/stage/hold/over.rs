@@ -24,7 +24,8 @@ const CLOSED: usize = 2;
 const BEYOND: usize = 2;
 /// The smallest limit, as a share of the height of the body.
 const LEAST: f64 = 1e-4;
-/// Cosine of the angle between the normals of layers at most, and of that between a normal and the way to the other layer: beside a border that way leads across.
+/// Smallest cosine of the angle between the normals of layers, and of that between a normal and the way to the other layer: beside a border this way leads
+/// along the surface.
 const ALIKE: f64 = 0.5;
 const ACROSS: f64 = 0.7;
 

@@ -128,7 +128,7 @@ fn a_contour_that_stays_is_left_alone_for_a_time() {
         untangle.pass(if second == 3 { 0.5 } else { 1.0 });
         again.extend(untangle.look(|first, _| at[points[first]]).is_moved.then_some(second));
     }
-    // It was moved for 3 s in all when the last look began.
+    // It had crossed for 3 s when the first of these looks began.
     assert_eq!(again, [4, 8, 16, 32, 64, 96, 128]);
 }
 
