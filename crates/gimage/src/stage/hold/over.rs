@@ -48,7 +48,7 @@ pub(super) fn run(wearer: &Wearer, garments: &mut [Garment]) {
                 continue;
             }
             let held = held.get_or_insert_with(|| held_points(wearer, &garments[*lower], near));
-            let gaps = above.gaps(&garments[*lower].sheet, -1.0, near, |p| held[p]);
+            let gaps = above.gaps(&garments[*lower].sheet, (-1.0, near), |p| held[p], |_| true);
             let is_covered: Vec<bool> = gaps.iter().map(|gap| gap.is_finite()).collect();
             if spread::share(&garments[*lower].sheet, &is_covered) < WORTH_IT {
                 continue;
@@ -56,28 +56,29 @@ pub(super) fn run(wearer: &Wearer, garments: &mut [Garment]) {
             // Cloth over points that are not held stays free.
             let is_held =
                 |t: u32| garments[*lower].sheet.triangles[t as usize].iter().any(|p| gaps[*p as usize].is_finite());
-            let mut over = below.gaps_of(&garments[*upper].sheet, 1.0, near, |_| true, is_held);
+            let mut over = below.gaps(&garments[*upper].sheet, (1.0, near), |_| true, is_held);
             for _ in 0..BEYOND {
                 over = beyond(&garments[*upper].sheet, &over);
             }
             covered.iter_mut().zip(&gaps).for_each(|(all, gap)| *all = all.min(*gap));
-            let upper = &mut garments[*upper];
-            let name = upper.hold.name.clone();
-            for ((behind, gap), pinned) in upper.behind.iter_mut().zip(over).zip(&upper.pinned) {
-                if gap.is_finite() && !pinned {
-                    *behind = behind.min((TOWARDS * gap).max(LEAST * tall));
-                }
-            }
+            let Garment { behind, pinned, hold, .. } = &mut garments[*upper];
+            bound(behind, pinned, &over, LEAST * tall);
+            let name = hold.name.clone();
             garments[*lower].hold.over.push(name);
         }
         let lower = &mut garments[*lower];
-        for ((limit, gap), pinned) in lower.limits.iter_mut().zip(&covered).zip(&lower.pinned) {
-            if gap.is_finite() && !pinned {
-                *limit = limit.min((TOWARDS * gap).max(LEAST * tall));
-            }
-        }
+        bound(&mut lower.limits, &lower.pinned, &covered, LEAST * tall);
         let is_covered: Vec<bool> = covered.iter().map(|gap| gap.is_finite()).collect();
         lower.hold.covered = spread::share(&lower.sheet, &is_covered);
+    }
+}
+
+/// Shortens the ways \[m\] of points that are not pinned to their share of gaps, at least `least` \[m\].
+fn bound(ways: &mut [f64], pinned: &[bool], gaps: &[f64], least: f64) {
+    for ((way, pinned), gap) in ways.iter_mut().zip(pinned).zip(gaps) {
+        if gap.is_finite() && !pinned {
+            *way = way.min((TOWARDS * gap).max(least));
+        }
     }
 }
 
@@ -129,18 +130,12 @@ impl Surface {
         self.bounds.iter().zip(&other.bounds).all(|(a, b)| a.start <= b.end + near && b.start <= a.end + near)
     }
 
-    /// The distance \[m\] of each of some points of a garment in front of this one (`side` 1) or behind it (-1), up to `near` \[m\], where both are layers; infinite
-    /// elsewhere.
-    fn gaps(&self, sheet: &Sheet, side: f64, near: f64, asked: impl Fn(usize) -> bool + Sync) -> Vec<f64> {
-        self.gaps_of(sheet, side, near, asked, |_| true)
-    }
-
-    /// The same, of some triangles of this surface alone.
-    fn gaps_of(
+    /// The distance \[m\] of each of the points of a garment that are `asked` for from triangles that count, in front of this surface (`side` 1) or behind it (-1), up to
+    /// `near` \[m\], where both are layers; infinite elsewhere.
+    fn gaps(
         &self,
         sheet: &Sheet,
-        side: f64,
-        near: f64,
+        (side, near): (f64, f64),
         asked: impl Fn(usize) -> bool + Sync,
         counts: impl Fn(u32) -> bool + Sync,
     ) -> Vec<f64> {

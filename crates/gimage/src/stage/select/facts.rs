@@ -103,6 +103,11 @@ pub(super) fn pieces(mesh: &Mesh) -> Vec<u32> {
     sets.into_representatives()
 }
 
+/// Whether all triangles are of one part.
+pub(super) fn is_single(mesh: &Mesh) -> bool {
+    mesh.triangle_part.iter().all(|p| *p == mesh.triangle_part[0])
+}
+
 /// Whether any corner of the mesh follows a joint.
 pub(super) fn is_skinned(mesh: &Mesh) -> bool {
     let joints = mesh.channel(&Semantic::Joints(0));

@@ -186,8 +186,7 @@ pub(crate) fn demand_cloth(file: &str, mesh: &Mesh, options: &SelectOptions) -> 
     if !(options.cloth.is_empty() && options.body.is_empty() && options.rigid.is_empty()) {
         return Ok(());
     }
-    let is_single = mesh.triangle_part.iter().all(|p| *p == mesh.triangle_part[0]);
-    if let Some(joint) = is_single.then(|| bare_joint(mesh)).flatten() {
+    if let Some(joint) = facts::is_single(mesh).then(|| bare_joint(mesh)).flatten() {
         let problem = format!("the one part of {file} follows the joint {joint}: hands and face would become cloth");
         let hint = "name its garments with --cloth component:K,...; `gimage list` shows the numbers, sizes and loops of its components (`*` takes all of it)";
         return Err(Error::Option { option: "cloth".into(), problem, hint: hint.into() });

@@ -28,8 +28,7 @@ const MANY: f64 = 0.5;
 /// In a file with cloth and without a body, rigid parts that follow half of the joints or more, and at least three, are the body: a robot, or armour
 /// around nothing.
 pub(super) fn verdicts(mesh: &Mesh) -> Option<Vec<Verdict>> {
-    let single = mesh.triangle_part.iter().all(|p| *p == mesh.triangle_part[0]);
-    if single || !facts::is_skinned(mesh) {
+    if facts::is_single(mesh) || !facts::is_skinned(mesh) {
         return None;
     }
     let joints = mesh.skeleton.joints.len();
