@@ -119,9 +119,12 @@ fn smaller_part(of: &Untangle, flood: &mut Flood, hits: &[Hit], on: &[u32]) -> O
     let far = FAR[0] + FAR[1] * on.len() * on.len();
     let is_lost = |part: &Growth| part.pinned || part.points.len() > far;
     // Both grow by a point each in turn, so that the search takes about as long as the smaller one does.
-    while !parts.iter().any(|part| part.is_complete() && !part.pinned) && !parts.iter().all(Growth::is_complete) {
+    loop {
         if parts.iter().any(|part| part.open) && parts.iter().all(is_lost) {
             return None;
+        }
+        if parts.iter().any(|part| part.is_complete() && !part.pinned) || parts.iter().all(Growth::is_complete) {
+            break;
         }
         parts[0].grow(of, flood, [first, first + 1]);
         parts[1].grow(of, flood, [first + 1, first]);

@@ -174,6 +174,10 @@ fn a_contour_that_ends_in_both_sheets_decides_nothing_between_pins() {
         untangle.free[point] = (untangle.at[point][0] - 0.5).abs() < 0.4;
     }
     assert_eq!(verdicts(&mut untangle), [None]);
+    // Pins at the corners of both, which the parts reach late.
+    let corners: Vec<usize> = [0, 12 * 12].into_iter().flat_map(|first| [0, 11, 132, 143].map(|n| first + n)).collect();
+    (0..untangle.at.len()).for_each(|point| untangle.free[point] = !corners.contains(&point));
+    assert_eq!(verdicts(&mut untangle), [None]);
 }
 
 #[test]
