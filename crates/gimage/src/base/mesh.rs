@@ -43,6 +43,9 @@ pub struct Part {
     /// Largest distance \[m\] between numbers next to each other that the file could have stored for a coordinate, as it is placed; 0 if
     /// that is not known, as of text.
     pub step: f64,
+    /// Width \[m\] of the cells of the grid to which the file has rounded positions (Draco, `KHR_mesh_quantization`), as it is placed; 0 if there
+    /// is none. Primitives have grids of their own.
+    pub grid: f64,
 }
 
 /// The meaning of the values of a [`Channel`].

@@ -79,6 +79,13 @@ impl Accessors<'_> {
         Ok(if layout.normalized { largest(layout.component) } else { 0.0 })
     }
 
+    /// The distance of two numbers of an accessor of integers; none of floats.
+    pub fn integer_step(&self, index: usize) -> Result<Option<f64>> {
+        let (_, layout) = self.get(index)?;
+        let step = if layout.normalized { 1.0 / f64::from(largest(layout.component)) } else { 1.0 };
+        Ok((layout.component != ComponentType::F32).then_some(step))
+    }
+
     /// Elements as floats; normalised integers go to -1..1 or 0..1.
     pub fn floats(&self, index: usize) -> Result<Floats> {
         let (accessor, layout) = self.get(index)?;

@@ -86,6 +86,7 @@ impl<'a> Builder<'a> {
         self.mesh.triangles.extend(triangles.iter().map(|t| t.map(|v| v + first as u32)));
         self.mesh.triangle_part.resize(self.mesh.triangles.len(), self.mesh.parts.len() as u32);
         part.step = step(&raw.positions, world) * self.options.unit;
+        part.grid = widest(world, raw.grid) * self.options.unit;
         self.mesh.parts.push(part);
         Ok(used)
     }
@@ -137,10 +138,14 @@ impl<'a> Builder<'a> {
 /// The largest distance between numbers next to each other among the coordinates of finite positions, once they are placed.
 fn step(positions: &[f32], world: &Matrix) -> f64 {
     let largest = positions.iter().map(|x| x.abs()).filter(|x| x.is_finite()).fold(0.0, f32::max);
-    let spacing = f64::from(largest.next_up()) - f64::from(largest);
+    widest(world, f64::from(largest.next_up()) - f64::from(largest))
+}
+
+/// A length once it is placed, in the direction in which it becomes longest; 0 if that is not finite.
+fn widest(world: &Matrix, length: f64) -> f64 {
     let scale = |c: usize| (0..3).map(|r| world[4 * c + r].powi(2)).sum::<f64>().sqrt();
-    let step = spacing * [0, 1, 2].map(scale).into_iter().fold(0.0, f64::max);
-    if step.is_finite() { step } else { 0.0 }
+    let longest = length * [0, 1, 2].map(scale).into_iter().fold(0.0, f64::max);
+    if longest.is_finite() { longest } else { 0.0 }
 }
 
 /// Refuses a mesh over the limits.

@@ -23,6 +23,7 @@ mod extension;
 mod findings;
 mod glb;
 mod gltf;
+mod grid;
 mod instancing;
 mod local;
 mod matrix;

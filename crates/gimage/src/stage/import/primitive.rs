@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::accessor::{Accessors, Floats};
 use super::attributes::{self, Attribute};
 use super::findings::Findings;
-use super::{draco, malformed};
+use super::{draco, grid, malformed};
 use crate::error::Result;
 use crate::record::Severity;
 
@@ -17,6 +17,8 @@ pub(crate) struct Raw {
     pub element: String,
     /// Three floats a vertex, in the mesh's space.
     pub positions: Vec<f32>,
+    /// Width of the cells of the grid to which they are rounded; 0 if there is none.
+    pub grid: f64,
     pub triangles: Vec<[u32; 3]>,
     pub attributes: Vec<Attribute>,
 }
@@ -108,7 +110,11 @@ pub(crate) fn load(
     findings.add(Severity::Note, "morph-targets", morphs, message, || element.clone());
     let read = |name: &str, accessor: usize| streams.attribute(name, accessor);
     let attributes = attributes::load(accessors, primitive, vertices, &element, read, findings)?;
-    Ok(Some(Raw { element, positions: positions.values, triangles, attributes }))
+    let grid = match accessors.integer_step(position)? {
+        Some(step) if streams.packed.is_none() => step,
+        _ => grid::of(&positions.values),
+    };
+    Ok(Some(Raw { element, positions: positions.values, grid, triangles, attributes }))
 }
 
 fn unpack<'a>(

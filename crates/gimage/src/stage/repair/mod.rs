@@ -8,6 +8,7 @@ mod degenerate;
 mod duplicate;
 mod nonmanifold;
 mod orient;
+mod rounding;
 mod split_edge;
 mod weld;
 mod work;
@@ -54,7 +55,7 @@ pub fn repair(mesh: Mesh, options: &RepairOptions) -> Result<Repaired> {
     drop_unusable(&mut work);
     let unused = work.used().iter().filter(|&&u| !u).count();
     weld::exact(&mut work);
-    weld::rounding(&mut work);
+    rounding::join(&mut work);
     if let Some(d) = options.weld {
         weld::within(&mut work, d);
     }

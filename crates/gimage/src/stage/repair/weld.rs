@@ -1,18 +1,16 @@
 //! Joins vertices at the same place.
 //!
 //! Equal positions are joined always: files store a vertex once for each normal or texture coordinate, and attributes
-//! live on corners here, so nothing is lost. Borders whose vertices differ by no more than rounding are joined too: files whose coordinates
-//! are large beside the garment have cracks along its seams. A weld within a larger distance changes the shape and, in thin double sheets, the
-//! topology: it is done on request only.
+//! live on corners here, so nothing is lost. Borders whose vertices differ by no more than rounding are joined too (`rounding.rs`). A weld within a
+//! larger distance changes the shape and, in thin double sheets, the topology: it is done on request only.
 
 use std::cmp::Ordering;
 use std::collections::HashMap;
 
 use gimage_bundle::DisjointSets;
 
+use super::rounding::Roundings;
 use super::work::Work;
-use crate::base::mesh::Part;
-use crate::base::stray::{Bounds, diagonal, widen};
 use crate::base::vec3::distance;
 use crate::base::words;
 use crate::record::Severity;
@@ -82,78 +80,26 @@ pub(super) fn within(work: &mut Work, d: f64) {
     work.report(Severity::Repair, "tolerance-weld", moved, example, message);
 }
 
-/// Steps of the numbers of a file ([`crate::base::mesh::Part::step`]) by which roundings of one point may differ. Of 800 vertices along the
-/// cracks of a garment that several programs had scaled and moved, 760 were within two steps of another, and all within eight.
-const STEPS: f64 = 8.0;
-/// Largest share of the diagonal of a part that counts as rounding: numbers of which a step is more hold no shape.
-const ROUNDING: f64 = 1e-4;
-
-/// Joins vertices of open borders that differ by no more than the rounding of the numbers in the file. Vertices that an edge connects stay apart. O(n log n).
-pub(super) fn rounding(work: &mut Work) {
-    let steps = steps(work);
-    let most = 2.0 * steps.iter().copied().fold(0.0, f64::max);
-    if most <= 0.0 {
-        return;
-    }
-    let used: Vec<u32> = work.used().iter().enumerate().filter(|x| *x.1).map(|x| x.0 as u32).collect();
-    let to = centres(&work.mesh.positions, &work.mesh.triangles, &used, &Reach::Each { most, steps });
-    let gone: Vec<u32> = used.into_iter().filter(|v| to[*v as usize] != *v).collect();
-    if gone.is_empty() {
-        return;
-    }
-    let gap = |v: &u32| distance(work.mesh.positions[*v as usize], work.mesh.positions[to[*v as usize] as usize]);
-    let farthest = gone.iter().map(gap).fold(0.0, f64::max);
-    let examples = gone.iter().take(4).map(|v| work.vertex_words(*v)).collect();
-    let message = format!(
-        "{} on borders joined to others that differ by the rounding of the numbers in the file, at most {farthest:.3e} m",
-        words::vertices(gone.len())
-    );
-    work.rename(|v| to[v as usize]);
-    work.report(Severity::Repair, "rounded-borders", gone.len(), examples, message);
-}
-
-/// How far roundings of a vertex may be from its point \[m\]: the largest one of the parts that it belongs to.
-fn steps(work: &Work) -> Vec<f64> {
-    let mesh = &work.mesh;
-    let mut boxes: Vec<Option<Bounds>> = vec![None; mesh.parts.len()];
-    let all = || mesh.triangles.iter().zip(&mesh.triangle_part);
-    for (triangle, part) in all() {
-        if let Some(around) = boxes.get_mut(*part as usize) {
-            triangle.iter().for_each(|v| widen(around, mesh.positions[*v as usize]));
-        }
-    }
-    let of = |(part, around): (&Part, &Option<Bounds>)| {
-        (STEPS * part.step).min(ROUNDING * around.map_or(0.0, diagonal)) * 3f64.sqrt() / 2.0
-    };
-    let parts: Vec<f64> = mesh.parts.iter().zip(&boxes).map(of).collect();
-    let mut steps = vec![0.0f64; mesh.positions.len()];
-    for (triangle, part) in all() {
-        let step = parts.get(*part as usize).copied().unwrap_or(0.0);
-        triangle.iter().for_each(|v| steps[*v as usize] = steps[*v as usize].max(step));
-    }
-    steps
-}
-
 /// Which vertices a weld may join.
-enum Reach {
+pub(super) enum Reach {
     /// All on borders or beside each other within a distance \[m\].
     All(f64),
-    /// Those on borders that are not beside each other within the sum of their steps \[m\], at most `most`.
-    Each { most: f64, steps: Vec<f64> },
+    /// Those on borders that are not beside each other and may be roundings of one point.
+    Rounded(Roundings),
 }
 
 impl Reach {
     fn most(&self) -> f64 {
         match self {
             Reach::All(d) => *d,
-            Reach::Each { most, .. } => *most,
+            Reach::Rounded(all) => all.most(),
         }
     }
 
     fn of(&self, a: u32, b: u32) -> f64 {
         match self {
             Reach::All(d) => *d,
-            Reach::Each { steps, .. } => steps[a as usize] + steps[b as usize],
+            Reach::Rounded(all) => all.reach(a, b),
         }
     }
 }
@@ -216,7 +162,7 @@ impl Surroundings {
 ///
 /// A grid of cells `d` wide holds the centres on borders. As these are more than `d` apart, a cell holds few, and a query
 /// looks at 27 cells.
-fn centres(positions: &[[f64; 3]], triangles: &[[u32; 3]], used: &[u32], reach: &Reach) -> Vec<u32> {
+pub(super) fn centres(positions: &[[f64; 3]], triangles: &[[u32; 3]], used: &[u32], reach: &Reach) -> Vec<u32> {
     let d = reach.most();
     let mut to: Vec<u32> = (0..positions.len() as u32).collect();
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -317,40 +263,6 @@ mod tests {
         within(&mut w, 0.02);
         assert_eq!(w.mesh.triangles, [[0, 1, 2], [0, 2, 5]]);
         assert!(w.findings[0].message.contains("0 triangles collapsed, 2 connected components became 1"));
-    }
-
-    #[test]
-    fn borders_that_rounding_moved_apart_are_joined_and_others_stay() {
-        // Two squares side by side, of numbers near 120, and a third one farther off than rounding.
-        let square = |x: f64, y: f64| [[x, y, 0.0], [x + 0.5, y, 0.0], [x, y + 0.5, 0.0], [x + 0.5, y + 0.5, 0.0]];
-        let positions: Vec<[f64; 3]> = [square(120.0, 0.0), square(120.500_008, 3e-5), square(120.0, 0.501)].concat();
-        let triangles = [0, 4, 8].map(|k| [[k, k + 1, k + 3], [k, k + 3, k + 2]]).concat();
-        let mesh = |step| {
-            let parts = vec![Part { step, ..Part::default() }];
-            let mut work = Work::new(Mesh {
-                positions: positions.clone(),
-                triangles: triangles.clone(),
-                parts,
-                ..Default::default()
-            });
-            rounding(&mut work);
-            work
-        };
-        let joined = mesh(f64::from(120f32.next_up()) - 120.0);
-        assert_eq!(joined.mesh.triangles[2..], [[1, 5, 7], [1, 7, 3], [8, 9, 11], [8, 11, 10]]);
-        assert_eq!((joined.findings[0].kind, joined.findings[0].count), ("rounded-borders", 2));
-        // Text may have any number of digits, and steps larger than a part say nothing.
-        assert!(mesh(0.0).findings.is_empty() && mesh(0.0).mesh.triangles == triangles);
-        assert_eq!(mesh(100.0).findings[0].count, 2);
-    }
-
-    #[test]
-    fn an_edge_shorter_than_rounding_stays() {
-        let positions = vec![[100.0, 0.0, 0.0], [100.000_001, 0.0, 0.0], [100.0, 1.0, 0.0]];
-        let parts = vec![Part { step: 8e-6, ..Part::default() }];
-        let mut w = Work::new(Mesh { positions, triangles: vec![[0, 1, 2]], parts, ..Default::default() });
-        rounding(&mut w);
-        assert!(w.findings.is_empty() && w.mesh.triangles == [[0, 1, 2]]);
     }
 
     fn cloud(n: usize) -> Vec<[f64; 3]> {

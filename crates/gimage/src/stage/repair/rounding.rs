@@ -1,0 +1,171 @@
+//! Joins borders that rounding has moved apart.
+//!
+//! Files whose coordinates are large beside the garment have cracks along its seams, as have meshes of several primitives that were
+//! compressed: each is rounded to a grid of its own.
+
+use std::collections::HashMap;
+
+use super::weld::{Reach, centres};
+use super::work::Work;
+use crate::base::mesh::{NONE, Part};
+use crate::base::stray::{Bounds, diagonal, widen};
+use crate::base::vec3::distance;
+use crate::base::words;
+use crate::record::Severity;
+
+/// Steps of the numbers of a file ([`Part::step`]) by which roundings of one point may differ. Of 800 vertices along the
+/// cracks of a garment that several programs had scaled and moved, 760 were within two steps of another, and all within eight.
+const STEPS: f64 = 8.0;
+/// Largest share of the diagonal of a part that counts as rounding to such steps: numbers of which a step is more hold no shape.
+const ROUNDING: f64 = 1e-4;
+/// The same for the cells of a grid ([`Part::grid`]): those of 10 bits are less, those of 8 bits more.
+const CELL: f64 = 1e-3;
+
+/// Joins vertices of open borders that differ by no more than the rounding of the numbers in the file. Vertices that an edge connects stay apart. O(n log n).
+pub(super) fn join(work: &mut Work) {
+    let all = Roundings::of(work);
+    if all.most() <= 0.0 {
+        return;
+    }
+    let used: Vec<u32> = work.used().iter().enumerate().filter(|x| *x.1).map(|x| x.0 as u32).collect();
+    let to = centres(&work.mesh.positions, &work.mesh.triangles, &used, &Reach::Rounded(all));
+    let gone: Vec<u32> = used.into_iter().filter(|v| to[*v as usize] != *v).collect();
+    if gone.is_empty() {
+        return;
+    }
+    let gap = |v: &u32| distance(work.mesh.positions[*v as usize], work.mesh.positions[to[*v as usize] as usize]);
+    let farthest = gone.iter().map(gap).fold(0.0, f64::max);
+    let examples = gone.iter().take(4).map(|v| work.vertex_words(*v)).collect();
+    let message = format!(
+        "{} on borders joined to others that differ by the rounding of the numbers in the file, at most {farthest:.3e} m",
+        words::vertices(gone.len())
+    );
+    work.rename(|v| to[v as usize]);
+    work.report(Severity::Repair, "rounded-borders", gone.len(), examples, message);
+}
+
+/// How far vertices may be from the points whose roundings they are.
+pub(super) struct Roundings {
+    /// By the numbers, and by the grid of the part that a vertex belongs to \[m\].
+    each: Vec<[f64; 2]>,
+    /// Which grid that is; `NONE` of a vertex of several.
+    grid: Vec<u32>,
+}
+
+impl Roundings {
+    /// Those of all vertices: the largest of the parts that they belong to.
+    fn of(work: &Work) -> Self {
+        let mesh = &work.mesh;
+        let mut boxes: Vec<Option<Bounds>> = vec![None; mesh.parts.len()];
+        let all = || mesh.triangles.iter().zip(&mesh.triangle_part);
+        for (triangle, part) in all() {
+            if let Some(around) = boxes.get_mut(*part as usize) {
+                triangle.iter().for_each(|v| widen(around, mesh.positions[*v as usize]));
+            }
+        }
+        let of = |(part, around): (&Part, &Option<Bounds>)| {
+            let size = around.map_or(0.0, diagonal);
+            let grid = if part.grid <= CELL * size { part.grid } else { 0.0 };
+            [(STEPS * part.step).min(ROUNDING * size), grid].map(|side| side * 3f64.sqrt() / 2.0)
+        };
+        let parts: Vec<[f64; 2]> = mesh.parts.iter().zip(&boxes).map(of).collect();
+        // Components of a primitive may be parts of their own.
+        let mut sources = HashMap::new();
+        let mut first = |(n, part): (usize, &Part)| {
+            let source = (part.node.clone(), part.mesh.clone(), part.primitive, part.grid.to_bits());
+            *sources.entry(source).or_insert(n as u32)
+        };
+        let grids: Vec<u32> = mesh.parts.iter().enumerate().map(&mut first).collect();
+        let mut each = vec![[0.0f64; 2]; mesh.positions.len()];
+        let mut grid: Vec<Option<u32>> = vec![None; mesh.positions.len()];
+        for (triangle, part) in all() {
+            let [numbers, cells] = parts.get(*part as usize).copied().unwrap_or_default();
+            let own = grids.get(*part as usize).copied().unwrap_or(NONE);
+            for v in triangle.map(|v| v as usize) {
+                each[v] = [each[v][0].max(numbers), each[v][1].max(cells)];
+                grid[v] = Some(if grid[v].is_none_or(|other| other == own) { own } else { NONE });
+            }
+        }
+        Roundings { each, grid: grid.into_iter().map(|grid| grid.unwrap_or(NONE)).collect() }
+    }
+
+    /// The farthest that two may be apart.
+    pub fn most(&self) -> f64 {
+        2.0 * self.each.iter().map(|[numbers, cells]| numbers + cells).fold(0.0, f64::max)
+    }
+
+    /// How far these two may be apart. On one grid a point has one rounding.
+    pub fn reach(&self, a: u32, b: u32) -> f64 {
+        let ([a_numbers, a_cells], [b_numbers, b_cells]) = (self.each[a as usize], self.each[b as usize]);
+        let (a_grid, b_grid) = (self.grid[a as usize], self.grid[b as usize]);
+        let cells = if a_grid == b_grid && a_grid != NONE { 0.0 } else { a_cells + b_cells };
+        a_numbers + b_numbers + cells
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::mesh::Mesh;
+
+    #[test]
+    fn borders_that_rounding_moved_apart_are_joined_and_others_stay() {
+        // Two squares side by side, of numbers near 120, and a third one farther off than rounding.
+        let square = |x: f64, y: f64| [[x, y, 0.0], [x + 0.5, y, 0.0], [x, y + 0.5, 0.0], [x + 0.5, y + 0.5, 0.0]];
+        let positions: Vec<[f64; 3]> = [square(120.0, 0.0), square(120.500_008, 3e-5), square(120.0, 0.501)].concat();
+        let triangles = [0, 4, 8].map(|k| [[k, k + 1, k + 3], [k, k + 3, k + 2]]).concat();
+        let mesh = |step| {
+            let parts = vec![Part { step, ..Part::default() }];
+            let mut work = Work::new(Mesh {
+                positions: positions.clone(),
+                triangles: triangles.clone(),
+                parts,
+                ..Default::default()
+            });
+            join(&mut work);
+            work
+        };
+        let joined = mesh(f64::from(120f32.next_up()) - 120.0);
+        assert_eq!(joined.mesh.triangles[2..], [[1, 5, 7], [1, 7, 3], [8, 9, 11], [8, 11, 10]]);
+        assert_eq!((joined.findings[0].kind, joined.findings[0].count), ("rounded-borders", 2));
+        // Text may have any number of digits, and steps larger than a part say nothing.
+        assert!(mesh(0.0).findings.is_empty() && mesh(0.0).mesh.triangles == triangles);
+        assert_eq!(mesh(100.0).findings[0].count, 2);
+    }
+
+    #[test]
+    fn an_edge_shorter_than_rounding_stays() {
+        let positions = vec![[100.0, 0.0, 0.0], [100.000_001, 0.0, 0.0], [100.0, 1.0, 0.0]];
+        let parts = vec![Part { step: 8e-6, ..Part::default() }];
+        let mut w = Work::new(Mesh { positions, triangles: vec![[0, 1, 2]], parts, ..Default::default() });
+        join(&mut w);
+        assert!(w.findings.is_empty() && w.mesh.triangles == [[0, 1, 2]]);
+    }
+
+    /// Two sheets of one primitive that lie on each other, and a sheet of another primitive beside them, `apart` farther up.
+    fn on_grids(grid: f64, apart: f64) -> Work {
+        let sheet = |x: f64, z: f64| [[x, 0.0, z], [x + 1.0, 0.0, z], [x, 1.0, z], [x + 1.0, 1.0, z]];
+        let positions = [sheet(0.0, 0.0), sheet(0.0, apart), sheet(1.0, apart)].concat();
+        let triangles = [0, 4, 8].map(|k| [[k, k + 1, k + 3], [k, k + 3, k + 2]]).concat();
+        let parts = [0, 1].map(|primitive| Part { primitive, grid, ..Part::default() }).to_vec();
+        let mut work = Work::new(Mesh {
+            positions,
+            triangles,
+            parts,
+            triangle_part: vec![0, 0, 0, 0, 1, 1],
+            ..Default::default()
+        });
+        join(&mut work);
+        work
+    }
+
+    #[test]
+    fn borders_of_primitives_on_other_grids_are_joined_and_those_on_one_grid_stay() {
+        // The third sheet goes to the nearer of the others.
+        let work = on_grids(5e-4, 4e-4);
+        assert_eq!(work.mesh.triangles[2..], [[4, 5, 7], [4, 7, 6], [5, 9, 11], [5, 11, 7]]);
+        assert_eq!((work.findings[0].kind, work.findings[0].count), ("rounded-borders", 2));
+        // Cells as wide as of 8 bits hold no shape.
+        assert!(on_grids(4e-3, 1e-3).findings.is_empty() && on_grids(0.0, 4e-4).findings.is_empty());
+    }
+}
