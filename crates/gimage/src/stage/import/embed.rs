@@ -8,8 +8,11 @@ use serde_json::{Value, json};
 use super::accessor::Accessors;
 use super::buffers::Buffers;
 use super::document::Document;
+use super::findings::Findings;
+use super::nodes::Forest;
+use super::rehang::rehang;
 use super::source::{self, Source};
-use super::{ImportOptions, draco, glb, malformed, sniff};
+use super::{ImportOptions, draco, glb, malformed, sniff, stand};
 use crate::error::{Error, Result};
 
 /// A file without references to others.
@@ -57,11 +60,14 @@ pub(crate) fn embed(path: &Path, options: &ImportOptions, imported: &Source) -> 
     let end = text.iter().rposition(|&b| b != 0).map_or(0, |p| p + 1);
     let json: Value =
         serde_json::from_slice(&text[..end]).map_err(|e| malformed(path, "JSON", e.to_string(), "export it again"))?;
+    let forest = Forest::new(&doc)?;
+    let standing = stand::standing(&accessors, &forest, &forest.placed(&doc, &mut Findings::default())?);
     let mut out = Writer { json, bin: Vec::new(), accessors, options, drawn: HashMap::new(), lost: Vec::new() };
     out.decode_draco()?;
     out.pack_views()?;
     out.take_images()?;
     out.finish();
+    rehang(&mut out.json, &standing);
     Ok(Some(Embedded { json: out.json, bin: out.bin, lost_images: out.lost }))
 }
 

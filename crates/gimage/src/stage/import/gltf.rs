@@ -18,7 +18,7 @@ use super::primitive::{self, Raw};
 use super::scene::{self, Scene};
 use super::skin::Bones;
 use super::source::Source;
-use super::{ImportOptions, Resolver, instancing, matrix};
+use super::{ImportOptions, Resolver, instancing, matrix, stand};
 use crate::base::mesh::{Mesh, Part, Semantic};
 use crate::error::{Error, Result};
 use crate::record::Severity;
@@ -46,7 +46,17 @@ pub(crate) fn load(
     let max_count = options.max_vertices.max(options.max_triangles.saturating_mul(3));
     let accessors = Accessors { doc: &doc, buffers: &buffers, max_count };
     let forest = Forest::new(&doc)?;
-    let placed = forest.placed(&doc, findings)?;
+    let mut placed = forest.placed(&doc, findings)?;
+    let standing = stand::standing(&accessors, &forest, &placed);
+    for p in &mut placed {
+        p.world = p.node.and_then(|node| standing.get(&node)).copied().unwrap_or(p.world);
+    }
+    let message =
+        "Skinned meshes stand as their joints pose them and not as their nodes are placed, which viewers ignore.";
+    findings.add(Severity::Note, "placed-by-joints", standing.len(), message, || {
+        let node = standing.keys().min().copied().unwrap_or_default();
+        format!("node {node} `{}`", doc.node_name(node))
+    });
     note_what_is_left(&doc, &placed, findings);
 
     let mut selector = Selector::new(&options.pieces);

@@ -1,8 +1,8 @@
 //! Files to meshes: glTF 2.0 (`.glb`, `.gltf`) and Wavefront OBJ.
 //!
 //! Positions of every node instance are placed in the world of the file, skinned or not: a skinned mesh is taken in its
-//! bind shape, placed by its node's world transform (glTF viewers ignore that transform when they skin; the joints' inverse
-//! bind matrices are changed accordingly, as [`crate::base::mesh::Joint`] says).
+//! bind shape, placed by its node's world transform, or where its joints pose it (`stand.rs`: glTF viewers ignore that transform when they skin; the joints'
+//! inverse bind matrices are changed accordingly, as [`crate::base::mesh::Joint`] says).
 //!
 //! Nothing here trusts the file: counts are checked against the bytes that are there before anything is reserved, indices
 //! before they are used, and node graphs before they are walked.
@@ -37,11 +37,13 @@ mod pieces;
 mod place;
 mod polygon;
 mod primitive;
+mod rehang;
 mod scene;
 mod shapes;
 mod skin;
 mod sniff;
 mod source;
+mod stand;
 mod weights;
 
 use std::collections::{BTreeMap, BTreeSet};
