@@ -115,14 +115,26 @@ fn check(body: &Body) -> Result<(), String> {
     if share > MAX_BORDER {
         return Err(format!("{:.0} % of the sides of its triangles have no neighbour", 100.0 * share));
     }
-    let at = |v: u32| body.positions[v as usize].map(f64::from);
+    let mut middles: HashMap<u32, ([f64; 3], usize)> = HashMap::new();
+    for v in body.triangles.iter().flatten() {
+        let (sum, count) = middles.entry(parts.find(*v)).or_default();
+        let p = body.positions[*v as usize];
+        (0..3).for_each(|k| sum[k] += f64::from(p[k]));
+        *count += 1;
+    }
+    // About the middle of the part: where a part is open, the volume about another point is another one.
+    let at = |v: u32, (sum, count): ([f64; 3], usize)| {
+        [0, 1, 2].map(|k| f64::from(body.positions[v as usize][k]) - sum[k] / count as f64)
+    };
     let mut volumes: HashMap<u32, (f64, usize)> = HashMap::new();
     for t in &body.triangles {
-        let [a, b, c] = t.map(at);
+        let part = parts.find(t[0]);
+        let middle = middles.get(&part).copied().unwrap_or(([0.0; 3], 1));
+        let [a, b, c] = t.map(|v| at(v, middle));
         let volume = a[0] * (b[1] * c[2] - b[2] * c[1])
             + a[1] * (b[2] * c[0] - b[0] * c[2])
             + a[2] * (b[0] * c[1] - b[1] * c[0]);
-        let part = volumes.entry(parts.find(t[0])).or_default();
+        let part = volumes.entry(part).or_default();
         (part.0, part.1) = (part.0 + volume, part.1 + 1);
     }
     let inward: usize = volumes.values().filter(|v| v.0 < 0.0).map(|v| v.1).sum();
