@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use gimage_bundle::DisjointSets;
 
+use super::words;
 use crate::base::mesh::{Mesh, NONE, Semantic};
 
 /// Weight from which a joint moves a corner of a triangle visibly.
@@ -18,6 +19,8 @@ pub(crate) struct Following {
     pub joints: usize,
     /// Share of its triangles on connected pieces that at most [`SOLID`] joints move, 0 to 1.
     pub solid: f64,
+    /// The name of a joint that tells that hands and a face are among it.
+    pub bare: Option<String>,
 }
 
 /// The joints that move the triangles of a part on one connected piece.
@@ -44,7 +47,8 @@ pub(crate) fn following(mesh: &Mesh) -> Vec<Following> {
         let joints: BTreeSet<u32> = of().flat_map(|m| &m.joints).copied().collect();
         let count: usize = of().map(|m| m.triangles).sum();
         let solid: usize = of().filter(|m| m.is_solid()).map(|m| m.triangles).sum();
-        *following = Following { joints: joints.len(), solid: solid as f64 / f64::max(count as f64, 1.0) };
+        let bare = words::bare(&names(mesh, &joints)).map(String::from);
+        *following = Following { joints: joints.len(), solid: solid as f64 / f64::max(count as f64, 1.0), bare };
     }
     out
 }
@@ -56,6 +60,11 @@ pub(super) fn joints(mesh: &Mesh) -> BTreeSet<u32> {
     } else {
         BTreeSet::new()
     }
+}
+
+/// The names of joints.
+pub(super) fn names<'a>(mesh: &'a Mesh, joints: &BTreeSet<u32>) -> Vec<&'a str> {
+    joints.iter().filter_map(|joint| mesh.skeleton.joints.get(*joint as usize)).map(|joint| &*joint.name).collect()
 }
 
 /// For each triangle whether its part is solid on its connected piece.

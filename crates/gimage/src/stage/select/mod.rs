@@ -200,12 +200,12 @@ pub(crate) fn demand_cloth(file: &str, mesh: &Mesh, options: &SelectOptions) -> 
     Err(Error::Option { option: "cloth".into(), problem, hint })
 }
 
-/// The finding about a choice; none if all parts are cloth and look like it.
-/// The first joint that moves a part of the mesh and is one of a hand or a face.
+/// The joint that tells that the mesh has hands and a face.
 fn bare_joint(mesh: &Mesh) -> Option<&str> {
-    let names = facts::joints(mesh).into_iter().filter_map(|joint| mesh.skeleton.joints.get(joint as usize));
-    names.map(|joint| joint.name.as_str()).find(|name| words::is_bare(name))
+    words::bare(&facts::names(mesh, &facts::joints(mesh)))
 }
+
+/// The finding about a choice; none if all parts are cloth and look like it.
 
 pub(crate) fn findings(mesh: &Mesh, verdicts: &[Verdict], options: &SelectOptions) -> Vec<Finding> {
     let asked = !(options.cloth.is_empty() && options.body.is_empty() && options.rigid.is_empty());

@@ -22,8 +22,8 @@ const MANY: f64 = 0.5;
 /// linings or skin. It says nothing about them either if one material is named after skin, as those parts are clothes then, except on a head, hands or feet.
 ///
 /// Of parts without a telling name, one that follows no joint, or whose connected
-/// pieces nearly all follow one or two joints, is rigid; one that follows half of the joints or more is a body, beside garments only
-/// if it follows more than they do; the rest is cloth.
+/// pieces nearly all follow one or two joints, is rigid; one that follows joints of eyes, jaws or fingers, or those of head, hands and feet, is a body; one that
+/// follows half of the joints or more is a body, beside garments only if it follows more than they do; the rest is cloth.
 ///
 /// In a file with cloth and without a body, rigid parts that follow half of the joints or more, and at least three, are the body: a robot, or armour
 /// around nothing.
@@ -122,12 +122,15 @@ fn by_name(part: &Part, of: Option<Several>) -> Option<Verdict> {
 
 /// The role that the joints tell; garments of the same mesh follow up to `garments` of them.
 fn by_skin(following: &Following, joints: usize, garments: usize) -> Verdict {
-    let Following { joints: used, solid } = *following;
+    let Following { joints: used, solid, ref bare } = *following;
     if used == 0 {
         return Verdict::new(Role::Rigid, "follows no joint");
     }
     if solid >= STIFF {
         return Verdict::new(Role::Rigid, "each piece follows 1 or 2 joints");
+    }
+    if let Some(joint) = bare {
+        return Verdict::new(Role::Body, format!("follows the joint {joint}, as hands and faces do"));
     }
     let role = if many(used, joints) && used > garments { Role::Body } else { Role::Cloth };
     Verdict::new(role, format!("follows {used} of {joints} joints"))

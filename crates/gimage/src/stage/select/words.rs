@@ -23,6 +23,9 @@ const RIGID: &str = "amulet armor armour arrow axe backpack badge bag bandolier 
 /// Words of joints that move hands and faces, and no garment but gloves and masks.
 const BARE: &str = "eye eyes finger fingers index jaw pinky thumb";
 
+/// Words of joints that a garment has some of, and a character all: a hood follows the head, sleeves follow hands, and a robe follows feet.
+const ENDS: [&str; 3] = ["head heads headfront headend", "hand hands wrist wrists", "feet foot toe toebase toes"];
+
 /// Parts of a body that garments cover, so that a garment's part has such a name too. A head below a hood is a head.
 const COVERED: &str = "arm arms body leg legs neck torso";
 
@@ -51,9 +54,11 @@ pub(super) fn role(name: &str) -> Option<(Role, String)> {
     Some(before.unwrap_or(last))
 }
 
-/// Whether the name of a joint tells that it moves a hand or a face.
-pub(super) fn is_bare(joint: &str) -> bool {
-    words(joint).iter().any(|word| is_of(BARE, word))
+/// Of the joints that move a part, one that tells that hands and a face are among it; `None` of a garment.
+pub(super) fn bare<'a>(joints: &[&'a str]) -> Option<&'a str> {
+    let of = |list: &str| joints.iter().copied().find(|joint| words(joint).iter().any(|word| is_of(list, word)));
+    let ends = || ENDS.map(of).into_iter().collect::<Option<Vec<_>>>().map(|ends| ends[0]);
+    of(BARE).or_else(ends)
 }
 
 /// Whether a word tells a part of a body that garments cover too.
