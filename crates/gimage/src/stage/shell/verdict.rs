@@ -35,6 +35,8 @@ const ONE_WAY: f64 = 0.5;
 /// Smallest share of the triangles that a sheet has: a sheet and a ring of triangles along its border have about as many. Below it, a few
 /// spikes of a damaged file hold most of the area.
 const FEW: f64 = 0.05;
+/// Mean cosine between normals of a sheet and ways from its middle from which it lies around that middle.
+const AROUND: f64 = 0.05;
 /// Areas closer than this share do not tell the outer sheet.
 const EVEN: f64 = 0.02;
 
@@ -166,21 +168,31 @@ impl Evidence<'_> {
         }
     }
 
-    /// Whether the first of two sheets is the outer one: the larger, else the one that faces away from the garment's centre.
+    /// Whether the first of two sheets is the outer one: the one that faces away from the middle of both, as sleeves do wherever they are. Of sheets that
+    /// are nearly flat the larger one, else the one that faces away from the garment's centre. A lining with hems may be larger than what it lines.
     fn is_outer(&self, first: &[u32], second: &[u32]) -> bool {
         let [a, b] = [first, second].map(|list| self.area(list.iter()));
+        let middle = |t: u32| {
+            let [p, q, r] = self.zone.triangles[t as usize].map(|v| self.positions[v as usize]);
+            scale(add(p, add(q, r)), 1.0 / 3.0)
+        };
+        let both = || first.iter().chain(second).copied();
+        let sum = both().map(|t| scale(middle(t), self.zone.area[t as usize])).fold([0.0; 3], add);
+        let own = scale(sum, 1.0 / (a + b).max(f64::MIN_POSITIVE));
+        let away = |list: &[u32], centre: [f64; 3]| {
+            let of =
+                |t: &u32| self.zone.area[*t as usize] * dot(self.zone.normal[*t as usize], sub(middle(*t), centre));
+            list.iter().map(of).sum::<f64>()
+        };
+        let far: f64 = both().map(|t| self.zone.area[t as usize] * distance(middle(t), own)).sum();
+        let around = away(first, own) - away(second, own);
+        if around.abs() > AROUND * far {
+            return around > 0.0;
+        }
         if (a - b).abs() > EVEN * a.max(b) {
             return a > b;
         }
-        let away = |list: &[u32]| {
-            let of = |&t: &u32| {
-                let [p, q, r] = self.zone.triangles[t as usize].map(|v| self.positions[v as usize]);
-                let middle = sub(scale(add(p, add(q, r)), 1.0 / 3.0), self.centre);
-                self.zone.area[t as usize] * dot(self.zone.normal[t as usize], middle)
-            };
-            list.iter().map(of).sum::<f64>()
-        };
-        let [x, y] = [away(first), away(second)];
+        let [x, y] = [first, second].map(|list| away(list, self.centre));
         if (x - y).abs() > 1e-9 * (x.abs() + y.abs()) {
             return x > y;
         }
