@@ -36,7 +36,11 @@ pub(super) fn load(bundle: &Bundle) -> Result<Option<RenderMesh>> {
             }
         }
         add(&cloth, &primitive, &entry.transform, &mut rows, blended.as_mut())?;
-        indices.extend(primitive.indices.iter().map(|&v| v + first as u32));
+        // A mirrored part winds the other way.
+        let columns = [0, 4, 8].map(|c| std::array::from_fn(|k| mul(&entry.transform, &primitive.world)[c + k]));
+        let turn = |t: &[u32; 3]| if determinant(&columns) < 0.0 { [t[0], t[2], t[1]] } else { *t };
+        let triangles = primitive.indices.as_chunks::<3>().0.iter().map(turn);
+        indices.extend(triangles.flatten().map(|v| v + first as u32));
         uv.extend_from_slice(&primitive.uv);
         uv.resize(first + count, [0.0; 2]);
         if !primitive.colors.is_empty() {
