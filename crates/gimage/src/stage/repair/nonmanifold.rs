@@ -2,11 +2,13 @@
 //!
 //! Where three or more triangles meet in an edge, the straightest pair goes on as one sheet, then the straightest of the
 //! rest, and so on: a pocket sewn on a shirt comes off, the shirt stays whole. A triangle that had a reversed copy comes
-//! last: where it was a fin folded flat on a sheet, the sheet closes under it.
+//! last: where it was a fin folded flat on a sheet, the sheet closes under it. Where sheets with one side come out, as from a pocket that is joined to the
+//! shirt by both of its sides, only triangles that wind alike stay joined there.
 
 use std::collections::HashSet;
 use std::f64::consts::TAU;
 
+use super::orient::one_sided;
 use super::work::Work;
 use crate::base::halfedge::{BOUNDARY, next, origin, prev, sorted_edges, target};
 use crate::base::vec3::{cross, dot, normalize, scale, sub};
@@ -48,6 +50,21 @@ impl Gluing {
 /// Joins triangles across edges, at most two to an edge; `doubled` are those that had a reversed copy, by their index in
 /// the input. O(n log n).
 pub(super) fn glue(work: &Work, doubled: &HashSet<u32>) -> Gluing {
+    let gluing = glue_alike(work, doubled, &[]);
+    if gluing.crowded.is_empty() {
+        return gluing;
+    }
+    let twisted = one_sided(work, &gluing);
+    let count = |twisted: &[bool]| twisted.iter().filter(|twisted| **twisted).count();
+    if count(&twisted) == 0 {
+        return gluing;
+    }
+    let alike = glue_alike(work, doubled, &twisted);
+    if count(&one_sided(work, &alike)) < count(&twisted) { alike } else { gluing }
+}
+
+/// The same, where across crowded edges of some triangles only those that wind alike are joined.
+fn glue_alike(work: &Work, doubled: &HashSet<u32>, alike: &[bool]) -> Gluing {
     let mut gluing = Gluing { twin: vec![BOUNDARY; 3 * work.len()], crowded: Vec::new() };
     for run in sorted_edges(&work.mesh.triangles).chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
         match run {
@@ -55,7 +72,8 @@ pub(super) fn glue(work: &Work, doubled: &HashSet<u32>) -> Gluing {
             [x, y] => gluing.join(x.2, y.2),
             _ => {
                 let mut edge: Vec<u32> = run.iter().map(|x| x.2).collect();
-                let pairs = pairs(work, &edge, doubled);
+                let alike = edge.iter().any(|h| alike.get(*h as usize / 3).is_some_and(|alike| *alike));
+                let pairs = pairs(work, &edge, doubled, alike);
                 for &[a, b] in &pairs {
                     gluing.join(a, b);
                 }
@@ -78,8 +96,8 @@ struct Flap {
     doubled: bool,
 }
 
-/// Pairs of half-edges of one crowded edge, straightest first.
-fn pairs(work: &Work, edge: &[u32], doubled: &HashSet<u32>) -> Vec<[u32; 2]> {
+/// Pairs of half-edges of one crowded edge, straightest first; only of triangles that wind alike, if asked for.
+fn pairs(work: &Work, edge: &[u32], doubled: &HashSet<u32>, alike: bool) -> Vec<[u32; 2]> {
     let tri = &work.mesh.triangles;
     let position = |v: u32| work.mesh.positions[v as usize];
     let (o, t) = (origin(tri, edge[0]), target(tri, edge[0]));
@@ -101,7 +119,7 @@ fn pairs(work: &Work, edge: &[u32], doubled: &HashSet<u32>) -> Vec<[u32; 2]> {
     }
     let mut all = Vec::new();
     for i in 0..flaps.len() {
-        for j in i + 1..flaps.len() {
+        for j in (i + 1..flaps.len()).filter(|j| !alike || flaps[i].forward != flaps[*j].forward) {
             let bend = dot(flaps[i].away, flaps[j].away);
             let same_way = if flaps[i].forward == flaps[j].forward { SAME_WAY } else { 0.0 };
             let doubled = if flaps[i].doubled || flaps[j].doubled { DOUBLED } else { 0.0 };

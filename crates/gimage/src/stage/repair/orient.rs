@@ -24,31 +24,9 @@ pub(super) fn orient(work: &mut Work, gluing: &Gluing) {
         if seen[start] {
             continue;
         }
-        seen[start] = true;
         queue.clear();
         queue.push(start as u32);
-        let (mut next, mut closed, mut orientable) = (0, true, true);
-        while let Some(&t) = queue.get(next) {
-            next += 1;
-            let (triangles, around) = (&work.mesh.triangles, [3 * t, 3 * t + 1, 3 * t + 2]);
-            let mut across = around.map(|h| (gluing.twin[h as usize], h));
-            // By triangle: where a piece is one-sided the tree decides, and must not depend on the corners' order.
-            across.sort_unstable_by_key(|x| x.0 / 3);
-            for (g, h) in across {
-                if g == BOUNDARY {
-                    closed = false;
-                    continue;
-                }
-                let same_way = origin(triangles, h) == origin(triangles, g);
-                let (u, turn) = (g as usize / 3, turned[t as usize] != same_way);
-                if !seen[u] {
-                    (seen[u], turned[u]) = (true, turn);
-                    queue.push(u as u32);
-                } else {
-                    orientable &= turned[u] == turn;
-                }
-            }
-        }
+        let Sides { closed, orientable } = walk(work, gluing, &mut queue, &mut seen, &mut turned);
         if other_way(work, &queue, &turned, closed && orientable) {
             queue.iter().for_each(|&t| turned[t as usize] ^= true);
         }
@@ -68,7 +46,56 @@ pub(super) fn orient(work: &mut Work, gluing: &Gluing) {
     work.report(Severity::Repair, "flipped-faces", flips.len(), examples, message);
     let pieces = words::counted(twisted_count, "piece that is", "pieces that are");
     let message = format!("{pieces} not orientable will be cut across");
-    work.report(Severity::Note, "not-orientable", twisted_count, twisted, message);
+    work.report(Severity::Repair, "not-orientable", twisted_count, twisted, message);
+}
+
+/// The triangles of components with one side, as strips with a half twist. O(n).
+pub(super) fn one_sided(work: &Work, gluing: &Gluing) -> Vec<bool> {
+    let n = work.len();
+    let (mut turned, mut seen, mut out, mut queue) = (vec![false; n], vec![false; n], vec![false; n], Vec::new());
+    for start in 0..n as u32 {
+        if !seen[start as usize] {
+            queue.clear();
+            queue.push(start);
+            let one = !walk(work, gluing, &mut queue, &mut seen, &mut turned).orientable;
+            queue.iter().for_each(|t| out[*t as usize] = one);
+        }
+    }
+    out
+}
+
+/// What a walk over a component has found.
+struct Sides {
+    closed: bool,
+    orientable: bool,
+}
+
+/// Walks over the component of the triangle in `queue`, to which it adds the others, and finds which have to turn to wind as that one does.
+fn walk(work: &Work, gluing: &Gluing, queue: &mut Vec<u32>, seen: &mut [bool], turned: &mut [bool]) -> Sides {
+    seen[queue[0] as usize] = true;
+    let (mut next, mut closed, mut orientable) = (0, true, true);
+    while let Some(&t) = queue.get(next) {
+        next += 1;
+        let (triangles, around) = (&work.mesh.triangles, [3 * t, 3 * t + 1, 3 * t + 2]);
+        let mut across = around.map(|h| (gluing.twin[h as usize], h));
+        // By triangle: where a piece is one-sided the tree decides, and must not depend on the corners' order.
+        across.sort_unstable_by_key(|x| x.0 / 3);
+        for (g, h) in across {
+            if g == BOUNDARY {
+                closed = false;
+                continue;
+            }
+            let same_way = origin(triangles, h) == origin(triangles, g);
+            let (u, turn) = (g as usize / 3, turned[t as usize] != same_way);
+            if !seen[u] {
+                (seen[u], turned[u]) = (true, turn);
+                queue.push(u as u32);
+            } else {
+                orientable &= turned[u] == turn;
+            }
+        }
+    }
+    Sides { closed, orientable }
 }
 
 /// Whether the turned triangles outweigh the others.
