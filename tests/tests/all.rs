@@ -28,6 +28,7 @@ mod known_issues;
 mod loose_fit;
 mod one_material;
 mod parts;
+mod placed;
 mod plain_words;
 mod random_meshes;
 mod render_again;

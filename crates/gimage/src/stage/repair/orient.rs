@@ -46,7 +46,7 @@ pub(super) fn orient(work: &mut Work, gluing: &Gluing) {
     work.report(Severity::Repair, "flipped-faces", flips.len(), examples, message);
     let pieces = words::counted(twisted_count, "piece that is", "pieces that are");
     let message = format!("{pieces} not orientable will be cut across");
-    work.report(Severity::Repair, "not-orientable", twisted_count, twisted, message);
+    work.report(Severity::Note, "not-orientable", twisted_count, twisted, message);
 }
 
 /// The triangles of components with one side, as strips with a half twist. O(n).

@@ -219,3 +219,30 @@ fn a_sheet_closes_under_a_fin_folded_flat_on_it() {
     let s = split(&r.mesh, &ComponentOptions { accessory_area: 0.0 });
     assert_eq!(s.pieces.iter().map(|c| (c.triangles.len(), c.loops)).collect::<Vec<_>>(), [(32, 1), (1, 1)]);
 }
+
+/// A strip with a half twist that was cut across, with a flap on either side of the cut: the strip goes on the straightest, but only a flap winds as it does.
+#[test]
+fn a_twist_that_flaps_can_undo_leaves_two_sides() {
+    let n = 24;
+    let at = |k: u32, side: f64| {
+        let a = std::f64::consts::TAU * f64::from(k) / f64::from(n);
+        let (out, up) = (0.3 * side * (0.5 * a).cos(), 0.3 * side * (0.5 * a).sin());
+        [(1.0 + out) * a.cos(), up, (1.0 + out) * a.sin()]
+    };
+    let mut positions: Vec<[f64; 3]> = (0..n).flat_map(|k| [at(k, -1.0), at(k, 1.0)]).collect();
+    let pair = |k: u32| if k < n { [2 * k, 2 * k + 1] } else { [1, 0] };
+    let strip = |k: u32| {
+        let ([a, b], [c, d]) = (pair(k), pair(k + 1));
+        [[a, b, d], [a, d, c]]
+    };
+    let mut triangles: Vec<[u32; 3]> = (0..n).flat_map(strip).collect();
+    let repaired = |positions: &[[f64; 3]], triangles: &[[u32; 3]]| {
+        let mesh = Mesh { positions: positions.to_vec(), triangles: triangles.to_vec(), ..Mesh::default() };
+        let repaired = repair(mesh, &RepairOptions::default()).unwrap();
+        repaired.findings.iter().map(|f| f.kind).filter(|kind| kind.contains("orientable")).count()
+    };
+    assert_eq!(repaired(&positions, &triangles), 1, "a Moebius strip has one side");
+    positions.extend([[1.0, 0.9, -0.44], [1.0, -0.9, 0.44]]);
+    triangles.extend([[1, 0, 2 * n], [1, 0, 2 * n + 1]]);
+    assert_eq!(repaired(&positions, &triangles), 0);
+}
