@@ -21,6 +21,9 @@ const ROUNDING: f64 = 1e-4;
 /// The same for the cells of a grid ([`Part::grid`]): those of 10 bits are less, those of 8 bits more.
 const CELL: f64 = 1e-3;
 
+/// How often joined vertices are looked at again once some were left apart.
+const ROUNDS: usize = 4;
+
 /// Joins vertices of open borders that differ by no more than the rounding of the numbers in the file. Vertices that an edge connects stay apart. O(n log n).
 pub(super) fn join(work: &mut Work) {
     let all = Roundings::of(work);
@@ -28,7 +31,9 @@ pub(super) fn join(work: &mut Work) {
         return;
     }
     let used: Vec<u32> = work.used().iter().enumerate().filter(|x| *x.1).map(|x| x.0 as u32).collect();
-    let to = centres(&work.mesh.positions, &work.mesh.triangles, &used, &Reach::Rounded(all));
+    let source = all.source.clone();
+    let mut to = centres(&work.mesh.positions, &work.mesh.triangles, &used, &Reach::Rounded(all));
+    leave_twisted(work, &source, &mut to);
     let gone: Vec<u32> = used.into_iter().filter(|v| to[*v as usize] != *v).collect();
     if gone.is_empty() {
         return;
@@ -44,12 +49,57 @@ pub(super) fn join(work: &mut Work) {
     work.report(Severity::Repair, "rounded-borders", gone.len(), examples, message);
 }
 
+/// Leaves vertices apart whose joining makes two triangles meet in an edge that both run the same way, where most of what meets there of the two primitives
+/// does not: on edges shorter than the cells of a grid a point may be taken for its neighbour, and a surface with one side would come out.
+fn leave_twisted(work: &Work, source: &[u32], to: &mut [u32]) {
+    for _ in 0..ROUNDS {
+        let mut joined = vec![false; to.len()];
+        (0..to.len()).filter(|v| to[*v] as usize != *v).for_each(|v| joined[to[v] as usize] = true);
+        let mut edges: Vec<([u32; 2], Flank)> = Vec::new();
+        for (corners, part) in work.mesh.triangles.iter().zip(&work.mesh.triangle_part) {
+            let source = source.get(*part as usize).copied().unwrap_or(NONE);
+            for own in [0, 1, 2].map(|c| [corners[c], corners[(c + 1) % 3]]) {
+                let [a, b] = own.map(|v| to[v as usize]);
+                if a != b && joined[a as usize] && joined[b as usize] {
+                    edges.push(([a.min(b), a.max(b)], Flank { forward: a < b, source, own }));
+                }
+            }
+        }
+        edges.sort_by_key(|(edge, _)| *edge);
+        let pairs: Vec<[&Flank; 2]> = (edges.chunk_by(|x, y| x.0 == y.0))
+            .filter_map(|run| if let [(_, x), (_, y)] = run { Some([x, y]) } else { None })
+            .filter(|[x, y]| x.source != y.source)
+            .collect();
+        let is_twisted = |[x, y]: &[&Flank; 2]| x.forward == y.forward;
+        let of = |[x, y]: &[&Flank; 2]| [x.source.min(y.source), x.source.max(y.source)];
+        let mut counts: HashMap<[u32; 2], [usize; 2]> = HashMap::new();
+        for pair in &pairs {
+            counts.entry(of(pair)).or_default()[usize::from(is_twisted(pair))] += 1;
+        }
+        let few = |pair: &&[&Flank; 2]| is_twisted(pair) && counts[&of(pair)][1] < counts[&of(pair)][0];
+        let apart: Vec<u32> = pairs.iter().filter(few).flat_map(|[x, y]| [x.own, y.own]).flatten().collect();
+        if apart.is_empty() {
+            return;
+        }
+        apart.into_iter().for_each(|v| to[v as usize] = v);
+    }
+}
+
+/// A triangle at an edge: which way it runs there, its primitive, and the ends of the edge before they are joined to others.
+struct Flank {
+    forward: bool,
+    source: u32,
+    own: [u32; 2],
+}
+
 /// How far vertices may be from the points whose roundings they are.
 pub(super) struct Roundings {
     /// By the numbers, and by the grid of the part that a vertex belongs to \[m\].
     each: Vec<[f64; 2]>,
     /// Which grid that is; `NONE` of a vertex of several.
     grid: Vec<u32>,
+    /// For each part the first one of the same primitive.
+    source: Vec<u32>,
 }
 
 impl Roundings {
@@ -86,7 +136,7 @@ impl Roundings {
                 grid[v] = Some(if grid[v].is_none_or(|other| other == own) { own } else { NONE });
             }
         }
-        Roundings { each, grid: grid.into_iter().map(|grid| grid.unwrap_or(NONE)).collect() }
+        Roundings { each, grid: grid.into_iter().map(|grid| grid.unwrap_or(NONE)).collect(), source: grids }
     }
 
     /// The farthest that two may be apart.

@@ -35,8 +35,8 @@ const ONE_WAY: f64 = 0.5;
 /// Smallest share of the triangles that a sheet has: a sheet and a ring of triangles along its border have about as many. Below it, a few
 /// spikes of a damaged file hold most of the area.
 const FEW: f64 = 0.05;
-/// Mean cosine between normals of a sheet and ways from its middle from which it lies around that middle.
-const AROUND: f64 = 0.05;
+/// Mean cosine between normals of sheets and ways from a point from which they lie around that point.
+const AROUND: f64 = 0.12;
 /// Areas closer than this share do not tell the outer sheet.
 const EVEN: f64 = 0.02;
 
@@ -168,8 +168,9 @@ impl Evidence<'_> {
         }
     }
 
-    /// Whether the first of two sheets is the outer one: the one that faces away from the middle of both, as sleeves do wherever they are. Of sheets that
-    /// are nearly flat the larger one, else the one that faces away from the garment's centre. A lining with hems may be larger than what it lines.
+    /// Whether the first of two sheets is the outer one: the one that faces away from the middle of both, as sleeves do wherever they are, else the one that
+    /// faces away from the garment's centre, as collars and pockets do. Of sheets that lie around neither the larger one: a lining with hems may be larger
+    /// than what it lines, so size comes after these.
     fn is_outer(&self, first: &[u32], second: &[u32]) -> bool {
         let [a, b] = [first, second].map(|list| self.area(list.iter()));
         let middle = |t: u32| {
@@ -179,22 +180,22 @@ impl Evidence<'_> {
         let both = || first.iter().chain(second).copied();
         let sum = both().map(|t| scale(middle(t), self.zone.area[t as usize])).fold([0.0; 3], add);
         let own = scale(sum, 1.0 / (a + b).max(f64::MIN_POSITIVE));
-        let away = |list: &[u32], centre: [f64; 3]| {
-            let of =
-                |t: &u32| self.zone.area[*t as usize] * dot(self.zone.normal[*t as usize], sub(middle(*t), centre));
-            list.iter().map(of).sum::<f64>()
+        // How much more the first one faces away from a point, as a mean cosine.
+        let away = |centre: [f64; 3]| {
+            let of = |t: u32| self.zone.area[t as usize] * dot(self.zone.normal[t as usize], sub(middle(t), centre));
+            let [x, y] = [first, second].map(|list| list.iter().map(|t| of(*t)).sum::<f64>());
+            let far: f64 = both().map(|t| self.zone.area[t as usize] * distance(middle(t), centre)).sum();
+            if (x - y).abs() > 1e-9 * (x.abs() + y.abs()) { (x - y) / far } else { 0.0 }
         };
-        let far: f64 = both().map(|t| self.zone.area[t as usize] * distance(middle(t), own)).sum();
-        let around = away(first, own) - away(second, own);
-        if around.abs() > AROUND * far {
-            return around > 0.0;
+        let ways = [own, self.centre].map(away);
+        if let Some(way) = ways.into_iter().find(|way| way.abs() > AROUND) {
+            return way > 0.0;
         }
         if (a - b).abs() > EVEN * a.max(b) {
             return a > b;
         }
-        let [x, y] = [first, second].map(|list| away(list, self.centre));
-        if (x - y).abs() > 1e-9 * (x.abs() + y.abs()) {
-            return x > y;
+        if ways[1] != 0.0 {
+            return ways[1] > 0.0;
         }
         // A plate through the centre: any rule that does not depend on the order of the file.
         let whole = |list: &[u32]| {
