@@ -9,7 +9,7 @@ pub mod passing;
 mod words;
 
 use self::passing::Passing;
-use crate::cloth::Cloth;
+use crate::cloth::{Cloth, Grid};
 use crate::collider::solid::Solid;
 use crate::handle::follow;
 use crate::health::{self, Health};
@@ -35,7 +35,7 @@ pub enum Fate {
     },
     /// The cloth touched colliders, and its topmost particle is below all of these: it slid off or went through.
     Left,
-    /// No pin holds the cloth, nothing is below it, and it touched nothing.
+    /// No pin holds the cloth, nothing is below it, and it touched nothing; or so falls a piece of it that neither pins nor seams nor stitches hold.
     Falls,
     /// Particles went through a collider within a frame.
     Tunnelled {
@@ -221,6 +221,9 @@ impl Watchdog {
         if let Some(fate) = gone {
             self.find(sight, fate);
         }
+        if let Some(particle) = fallen(sight) {
+            self.find_at(sight, Fate::Falls, Some(particle));
+        }
     }
 
     /// Takes in which particles went through colliders in the frame.
@@ -309,6 +312,27 @@ fn gone<T: Real>(sight: &Sight<T>, touched: &[bool]) -> Option<Fate> {
         true => (top < floor).then_some(Fate::Left),
         false => (top < floor.min(lowest(&mut start.into_iter()) - 1.0)).then_some(Fate::Falls),
     }
+}
+
+/// A particle of a piece of pinned cloth that nothing holds, once all of the piece is below everything that could hold it.
+fn fallen<T: Real>(sight: &Sight<T>) -> Option<usize> {
+    let g = sight.gravity.map(|x| T::of(x.into()));
+    let strength = dot(g, g).sqrt();
+    if strength.get() <= 0.0 || sight.cloth.grids().len() < 2 {
+        return None;
+    }
+    let up = scale(g, T::of(-1.0) / strength);
+    let height = |p: V3<T>| dot(p, up).get();
+    let bottoms = sight.solids.iter().map(|s| height(s.center) - s.around().map_or(f64::INFINITY, Real::get));
+    let start = sight.cloth.positions().iter().map(|p| height(cast(sight.home.apply(*p))));
+    let floor = bottoms.chain(start).fold(f64::INFINITY, f64::min) - 1.0;
+    let is_below = |grid: &&Grid| {
+        let mut all = sight.now[grid.range()].iter().filter(|p| p[3].get() >= 0.0);
+        all.all(|p| height(xyz(*p)) < floor)
+    };
+    let loose = sight.cloth.loose_grids();
+    let below = loose.into_iter().filter_map(|grid| sight.cloth.grids().get(grid)).find(is_below)?;
+    below.range().find(|k| sight.now[*k][3].get() >= 0.0)
 }
 
 /// Whether something moves so far in a frame of `frame` seconds that it may pass a collider.

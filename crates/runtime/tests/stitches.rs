@@ -180,8 +180,11 @@ fn stitches_that_lead_nowhere_are_refused_and_loose_grids_are_named() {
     assert!(cloth.loose_grids().is_empty());
     cloth.set_stitches(Vec::new()).unwrap();
     assert_eq!(cloth.loose_grids(), [2]);
-    let stepper = Stepper::on_cpu(scene(cloth), options(1)).unwrap();
+    let mut stepper = Stepper::on_cpu(scene(cloth), options(1)).unwrap();
     let words: Vec<String> = stepper.warnings().iter().map(ToString::to_string).collect();
     assert!(words.iter().any(|w| w.contains("nothing holds patch")), "{words:?}");
+    (0..150).for_each(|_| _ = stepper.advance(1.0 / 60.0).unwrap());
+    let found: Vec<String> = stepper.findings().iter().map(ToString::to_string).collect();
+    assert!(found.len() == 1 && found[0].contains("piece 'patch' falls"), "{found:?}");
     assert!(curtain(5).loose_grids().is_empty());
 }

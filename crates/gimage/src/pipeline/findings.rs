@@ -100,7 +100,7 @@ pub(super) fn set_apart(riders: &[Rider<'_>]) -> Option<Finding> {
             .map(|r| format!("{} ({}): {}", r.component.name, words::triangles(r.component.triangles.len()), r.reason))
             .collect(),
         message:
-            "Parts that are too small to be cloth, or lie on a larger one, get no image and ride on the nearest piece."
+            "Parts that are too small to be cloth, lie on a larger one, or have a border too long for their size, as by many holes, get no image and ride on the nearest piece."
                 .into(),
     })
 }

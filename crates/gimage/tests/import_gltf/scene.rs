@@ -147,6 +147,11 @@ fn what_is_not_kept_is_told() {
     for kind in ["tangents", "morph-targets", "animations", "mesh-not-in-scene"] {
         assert!(has(&got, kind), "{kind}: {:?}", got.findings);
     }
+    assert!(!has(&got, "hint-morphs"));
+    let mut glb = square();
+    glb.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": 0}]);
+    glb.json["meshes"][0]["weights"] = json!([0.5]);
+    assert!(has(&load(glb).unwrap(), "hint-morphs"));
 }
 
 #[test]

@@ -29,9 +29,12 @@ impl fmt::Display for Finding {
                 "it left its body: its topmost particle is below all colliders that it touched: use more substeps and no \
                  pyramid, more friction, or pins",
             ),
-            Fate::Falls => {
-                f.write_str("it falls, as no pin holds it and nothing is below: pin particles, or add a collider")
-            }
+            Fate::Falls => match place {
+                Some(PieceTexel { piece, .. }) => {
+                    write!(f, "piece '{piece}' falls, as neither pins nor seams nor stitches hold it: pin it, or build the bundle with a larger --stitch")
+                }
+                None => f.write_str("it falls, as no pin holds it and nothing is below: pin particles, or add a collider"),
+            },
             Fate::Tunnelled { particles, particle, collider } => {
                 write!(f, "{particles} particles went through collider {collider} in one frame, for example particle {particle}")?;
                 place.iter().try_for_each(|place| write!(f, " at {place}"))?;

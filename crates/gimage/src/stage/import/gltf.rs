@@ -59,6 +59,8 @@ pub(crate) fn load(
     });
     note_what_is_left(&doc, &placed, findings);
 
+    note_morphs(&doc, &placed, findings);
+
     let mut selector = Selector::new(&options.pieces);
     let mut bones = Bones::new(&accessors, &forest, options.unit);
     let mut builder = Builder::new(path, options);
@@ -177,6 +179,19 @@ fn note_what_is_left(doc: &Document, placed: &[Placed], findings: &mut Findings)
     }
     let message = "Animations are not kept; the scene is read in its rest pose.";
     findings.add(Severity::Note, "animations", doc.animations.len(), message, || "file".into());
+}
+
+/// Tells of meshes that the file shows in another shape than the one that is read.
+fn note_morphs(doc: &Document, placed: &[Placed], findings: &mut Findings) {
+    let message = "The file shows meshes with morph targets that are not read, so the cloth has another shape: apply them in the file.";
+    for p in placed {
+        let mesh = &doc.root.meshes[p.mesh];
+        let of_node = p.node.and_then(|node| doc.root.nodes[node].weights.as_ref());
+        let weights = of_node.or(mesh.weights.as_ref());
+        let shown = weights.is_some_and(|weights| weights.iter().any(|w| *w != 0.0));
+        let has = mesh.primitives.iter().any(|primitive| primitive.targets.as_ref().is_some_and(|t| !t.is_empty()));
+        findings.add(Severity::Note, "hint-morphs", usize::from(shown && has), message, || part_name(doc, p));
+    }
 }
 
 /// Why there is nothing, from what was left out.
