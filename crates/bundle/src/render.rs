@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 pub(crate) use check::check_render;
 pub use primitive::{RenderPrimitive, is_binding, numbered};
 pub use uv_transform::UvTransform;
-pub use wrap::Wrap;
+pub use wrap::{Wrap, texture_image};
 
 /// The name of the file.
 pub const RENDER_FILE: &str = "render.glb";
@@ -106,7 +106,7 @@ impl<'a> RenderFile<'a> {
         RenderMaterial {
             name: material["name"].as_str().unwrap_or_default().into(),
             base_color: std::array::from_fn(factor),
-            base_image: source.and_then(|t| t["source"].as_u64()).map(|i| i as usize),
+            base_image: source.and_then(texture_image),
             base_set: set.as_u64().or(texture["texCoord"].as_u64()).unwrap_or(0) as usize,
             base_wrap: source.map_or([Wrap::Repeat; 2], |texture| Wrap::of(&self.json, texture)),
             base_transform: UvTransform::of(moved),
@@ -122,7 +122,7 @@ impl<'a> RenderFile<'a> {
         name.map_or(format!("image {index}"), String::from)
     }
 
-    /// The bytes of an image file in the file, PNG or JPEG; `None` where there is none.
+    /// The bytes of an image file in the file: PNG or JPEG, or another format that an extension of the file has; `None` where there is none.
     pub fn image(&self, index: usize) -> Option<&'a [u8]> {
         let view = self.json["images"].get(index)?["bufferView"].as_u64()?;
         self.view(view as usize).ok().map(|v| v.0)

@@ -55,7 +55,7 @@ pub struct RenderMesh {
     pub colors: Vec<[f32; 4]>,
     /// Vertices of the triangles.
     pub indices: Vec<u32>,
-    /// The bytes of the image files, PNG or JPEG, that [`RenderMaterial::base_image`] names; empty for an image that no material uses.
+    /// The bytes of the image files (PNG or JPEG, or another format that an extension of the file has) that [`RenderMaterial::base_image`] names; empty for an image that no material uses.
     pub images: Vec<Vec<u8>>,
     /// The names of the images, else their numbers.
     pub image_names: Vec<String>,

@@ -26,9 +26,25 @@ impl Wrap {
     }
 }
 
+/// The image of a texture of a glTF document: its own, else that of an extension for other formats. `None` without one.
+pub fn texture_image(texture: &Value) -> Option<usize> {
+    let of = |value: &Value| value["source"].as_u64().map(|index| index as usize);
+    let others = ["EXT_texture_webp", "EXT_texture_avif", "KHR_texture_basisu", "MSFT_texture_dds"];
+    of(texture).or_else(|| others.iter().find_map(|name| of(&texture["extensions"][*name])))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn textures_of_other_formats_have_images() {
+        let of = |texture| texture_image(&texture);
+        assert_eq!(of(serde_json::json!({"source": 3, "extensions": {"EXT_texture_webp": {"source": 1}}})), Some(3));
+        assert_eq!(of(serde_json::json!({"extensions": {"EXT_texture_webp": {"source": 1}}})), Some(1));
+        assert_eq!(of(serde_json::json!({"extensions": {}})), None);
+        assert_eq!(of(serde_json::json!({})), None);
+    }
 
     #[test]
     fn samplers_are_read_and_textures_without_one_repeat() {

@@ -120,15 +120,16 @@ fn same(a: &Paint, b: &Paint) -> bool {
     texture && a.wrap == b.wrap && a.color == b.color && a.alpha == b.alpha
 }
 
-/// The texture of a PNG or JPEG file.
+/// The texture of a PNG, JPEG or WebP file.
 fn decode(bytes: &[u8]) -> Result<Texture, String> {
     let mut limits = Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIDE), Some(MAX_SIDE));
     limits.max_alloc = Some(MAX_BYTES);
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string())?;
     reader.limits(limits);
-    if !matches!(reader.format(), Some(image::ImageFormat::Png | image::ImageFormat::Jpeg)) {
-        return Err("it is neither a PNG nor a JPEG".into());
+    use image::ImageFormat::{Jpeg, Png, WebP};
+    if !matches!(reader.format(), Some(Png | Jpeg | WebP)) {
+        return Err("it is neither a PNG nor a JPEG nor a WebP".into());
     }
     let image = reader.decode().map_err(|e| e.to_string())?.into_rgba8();
     let (width, height) = image.dimensions();

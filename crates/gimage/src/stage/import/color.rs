@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gimage_bundle::{UvTransform, Wrap};
+use gimage_bundle::{UvTransform, Wrap, texture_image};
 use serde_json::Value;
 
 use super::buffers::{data_uri, relative_path};
@@ -76,9 +76,9 @@ pub fn base_colors(path: &Path, options: &ImportOptions) -> Result<Vec<BaseColor
 
 /// The name of the image of a texture, else its file, else its number; empty without one.
 fn image_name(root: &Value, texture: &Value) -> String {
-    let source = texture["index"].as_u64().and_then(|t| root["textures"][t as usize]["source"].as_u64());
+    let source = texture["index"].as_u64().and_then(|t| texture_image(&root["textures"][t as usize]));
     let Some(index) = source else { return String::new() };
-    let image = &root["images"][index as usize];
+    let image = &root["images"][index];
     let uri = image["uri"].as_str().filter(|uri| !uri.starts_with("data:"));
     image["name"].as_str().filter(|name| !name.is_empty()).or(uri).map_or(format!("image {index}"), String::from)
 }
@@ -91,7 +91,7 @@ fn image(
     beside: &dyn Fn(&str) -> Option<Vec<u8>>,
 ) -> Option<Vec<u8>> {
     let index = |value: &Value| value.as_u64().map(|i| i as usize);
-    let image = &root["images"][index(&root["textures"][texture]["source"])?];
+    let image = &root["images"][texture_image(&root["textures"][texture])?];
     let read = |uri: &str| match uri.strip_prefix("data:") {
         Some(rest) => data_uri(rest).ok(),
         None => beside(&relative_path(uri).ok()?),
