@@ -6,11 +6,11 @@ use serde_json::{Map, Value, json};
 
 use super::matrix::Matrix;
 
-/// What places a node.
+/// The properties that place a node.
 const PLACING: [&str; 4] = ["matrix", "translation", "rotation", "scale"];
 
-/// Gives nodes with meshes these transforms to world space, at the top of the scenes that show them. What else they do, such as moving
-/// other nodes, is then done by a node in their place, without a mesh.
+/// Gives nodes with meshes these transforms to world space, at the top of the scenes that show them. A node in their place, without a
+/// mesh, then does all else that they did, such as moving other nodes.
 pub(super) fn rehang(json: &mut Value, to: &HashMap<usize, Matrix>) {
     let mut nodes: Vec<(&usize, &Matrix)> = to.iter().collect();
     nodes.sort_unstable_by_key(|(node, _)| **node);

@@ -64,7 +64,7 @@ pub(super) fn one_sided(work: &Work, gluing: &Gluing) -> Vec<bool> {
     out
 }
 
-/// What a walk over a component has found.
+/// The findings of a walk over a component.
 struct Sides {
     closed: bool,
     orientable: bool,

@@ -31,9 +31,11 @@ pub(super) fn join(work: &mut Work) {
         return;
     }
     let used: Vec<u32> = work.used().iter().enumerate().filter(|x| *x.1).map(|x| x.0 as u32).collect();
-    let source = all.source.clone();
-    let mut to = centres(&work.mesh.positions, &work.mesh.triangles, &used, &Reach::Rounded(all));
-    leave_twisted(work, &source, &mut to);
+    let reach = Reach::Rounded(all);
+    let mut to = centres(&work.mesh.positions, &work.mesh.triangles, &used, &reach);
+    if let Reach::Rounded(all) = &reach {
+        leave_loose(work, all, &mut to);
+    }
     let gone: Vec<u32> = used.into_iter().filter(|v| to[*v as usize] != *v).collect();
     if gone.is_empty() {
         return;
@@ -49,15 +51,19 @@ pub(super) fn join(work: &mut Work) {
     work.report(Severity::Repair, "rounded-borders", gone.len(), examples, message);
 }
 
-/// Leaves vertices apart whose joining makes two triangles meet in an edge that both run the same way, where most of what meets there of the two primitives
-/// does not: on edges shorter than the cells of a grid a point may be taken for its neighbour, and a surface with one side would come out.
-fn leave_twisted(work: &Work, source: &[u32], to: &mut [u32]) {
+/// Leaves vertices apart that only grids allow to join, where borders do not close: where no edge meets one of the other primitive, and where two triangles
+/// meet in an edge that both run the same way, while most of what meets there of the two primitives does not. A point may have been taken for its neighbour.
+fn leave_loose(work: &Work, all: &Roundings, to: &mut [u32]) {
+    let place = |v: u32| work.mesh.positions[v as usize];
+    let by_grid = |v: u32, to: &[u32]| {
+        to[v as usize] != v && distance(place(v), place(to[v as usize])) > all.numbers(v, to[v as usize])
+    };
     for _ in 0..ROUNDS {
         let mut joined = vec![false; to.len()];
         (0..to.len()).filter(|v| to[*v] as usize != *v).for_each(|v| joined[to[v] as usize] = true);
         let mut edges: Vec<([u32; 2], Flank)> = Vec::new();
         for (corners, part) in work.mesh.triangles.iter().zip(&work.mesh.triangle_part) {
-            let source = source.get(*part as usize).copied().unwrap_or(NONE);
+            let source = all.source.get(*part as usize).copied().unwrap_or(NONE);
             for own in [0, 1, 2].map(|c| [corners[c], corners[(c + 1) % 3]]) {
                 let [a, b] = own.map(|v| to[v as usize]);
                 if a != b && joined[a as usize] && joined[b as usize] {
@@ -76,8 +82,14 @@ fn leave_twisted(work: &Work, source: &[u32], to: &mut [u32]) {
         for pair in &pairs {
             counts.entry(of(pair)).or_default()[usize::from(is_twisted(pair))] += 1;
         }
-        let few = |pair: &&[&Flank; 2]| is_twisted(pair) && counts[&of(pair)][1] < counts[&of(pair)][0];
-        let apart: Vec<u32> = pairs.iter().filter(few).flat_map(|[x, y]| [x.own, y.own]).flatten().collect();
+        let is_wrong = |pair: &[&Flank; 2]| is_twisted(pair) && counts[&of(pair)][1] < counts[&of(pair)][0];
+        let (mut closes, mut wrong) = (vec![false; to.len()], vec![false; to.len()]);
+        for pair in &pairs {
+            let list = if is_wrong(pair) { &mut wrong } else { &mut closes };
+            pair.iter().flat_map(|flank| flank.own).for_each(|v| list[v as usize] = true);
+        }
+        let leaves = |v: &u32| by_grid(*v, to) && (wrong[*v as usize] || !closes[*v as usize]);
+        let apart: Vec<u32> = (0..to.len() as u32).filter(leaves).collect();
         if apart.is_empty() {
             return;
         }
@@ -98,6 +110,8 @@ pub(super) struct Roundings {
     each: Vec<[f64; 2]>,
     /// Which grid that is; `NONE` of a vertex of several.
     grid: Vec<u32>,
+    /// The shortest edge at each vertex \[m\].
+    shortest: Vec<f64>,
     /// For each part the first one of the same primitive.
     source: Vec<u32>,
 }
@@ -128,15 +142,25 @@ impl Roundings {
         let grids: Vec<u32> = mesh.parts.iter().enumerate().map(&mut first).collect();
         let mut each = vec![[0.0f64; 2]; mesh.positions.len()];
         let mut grid: Vec<Option<u32>> = vec![None; mesh.positions.len()];
+        let mut shortest = vec![f64::INFINITY; mesh.positions.len()];
         for (triangle, part) in all() {
             let [numbers, cells] = parts.get(*part as usize).copied().unwrap_or_default();
             let own = grids.get(*part as usize).copied().unwrap_or(NONE);
+            for [a, b] in [0, 1, 2]
+                .map(|c| [triangle[c] as usize, triangle[(c + 1) % 3] as usize])
+                .into_iter()
+                .filter(|[a, b]| a != b)
+            {
+                let length = distance(mesh.positions[a], mesh.positions[b]);
+                [a, b].into_iter().for_each(|v| shortest[v] = shortest[v].min(length));
+            }
             for v in triangle.map(|v| v as usize) {
                 each[v] = [each[v][0].max(numbers), each[v][1].max(cells)];
                 grid[v] = Some(if grid[v].is_none_or(|other| other == own) { own } else { NONE });
             }
         }
-        Roundings { each, grid: grid.into_iter().map(|grid| grid.unwrap_or(NONE)).collect(), source: grids }
+        let grid = grid.into_iter().map(|grid| grid.unwrap_or(NONE)).collect();
+        Roundings { each, grid, shortest, source: grids }
     }
 
     /// The farthest that two may be apart.
@@ -144,12 +168,18 @@ impl Roundings {
         2.0 * self.each.iter().map(|[numbers, cells]| numbers + cells).fold(0.0, f64::max)
     }
 
-    /// How far these two may be apart. On one grid a point has one rounding.
+    /// How far these two may be apart by the numbers of their primitives.
+    fn numbers(&self, a: u32, b: u32) -> f64 {
+        self.each[a as usize][0] + self.each[b as usize][0]
+    }
+
+    /// How far these two may be apart. On one grid a point has one rounding, and beside shorter edges a grid tells no points apart.
     pub fn reach(&self, a: u32, b: u32) -> f64 {
-        let ([a_numbers, a_cells], [b_numbers, b_cells]) = (self.each[a as usize], self.each[b as usize]);
-        let (a_grid, b_grid) = (self.grid[a as usize], self.grid[b as usize]);
-        let cells = if a_grid == b_grid && a_grid != NONE { 0.0 } else { a_cells + b_cells };
-        a_numbers + b_numbers + cells
+        let (a, b) = (a as usize, b as usize);
+        let cells = self.each[a][1] + self.each[b][1];
+        let numbers = self.each[a][0] + self.each[b][0];
+        let is_one = self.grid[a] == self.grid[b] && self.grid[a] != NONE;
+        if is_one || self.shortest[a].min(self.shortest[b]) <= numbers + cells { numbers } else { numbers + cells }
     }
 }
 
