@@ -4,7 +4,7 @@ use std::path::Path;
 
 use gimage_runtime::draw::{Facet, Ground, bounds};
 use gimage_runtime::{Collider, Shape};
-use gimage_runtime::{RenderPart, Skinning};
+use gimage_runtime::{RenderMesh, RenderPart, Skinning};
 
 use super::body::Body;
 use super::paints::Paints;
@@ -71,7 +71,7 @@ impl<'a> Shown<'a> {
     pub fn hides_collider(&self, index: usize, animated: Option<&Animated>) -> bool {
         match animated {
             Some(animated) => self.body.is_some() && animated.colliders().any(|own| own == index),
-            None => self.whole && self.meshes.iter().any(|(of, _)| of.mesh.parts.iter().any(|p| !p.is_bound)),
+            None => self.whole && self.meshes.iter().any(|(of, _)| has_body(&of.mesh)),
         }
     }
 
@@ -118,6 +118,16 @@ impl<'a> Shown<'a> {
         let middle = [0, 2].map(|c| (low[c] + high[c]) / 2.0);
         Some(Ground { height, middle, radius: GROUND_RADIUS * size.max(1e-3) })
     }
+}
+
+/// Share of the vertices of a mesh from which those that no cloth moves are a body; a component of a part may be all of the cloth.
+const BODY: f64 = 0.1;
+
+/// Whether a good part of a mesh stays where it is.
+fn has_body(mesh: &RenderMesh) -> bool {
+    let all = || mesh.parts.iter().flat_map(|part| part.vertices.clone());
+    let still = all().filter(|vertex| !mesh.is_bound(*vertex)).count();
+    mesh.parts.iter().any(|part| !part.is_bound) || still as f64 > BODY * all().count() as f64
 }
 
 /// Adds the triangles of a part; those with a vertex that no cloth moves are left out of an animated character, whose body is drawn apart.

@@ -34,6 +34,7 @@ pub(super) fn join(work: &mut Work) {
     let reach = Reach::Rounded(all);
     let mut to = centres(&work.mesh.positions, &work.mesh.triangles, &used, &reach);
     if let Reach::Rounded(all) = &reach {
+        leave_crowded(work, all, &used, &mut to);
         leave_loose(work, all, &mut to);
     }
     let gone: Vec<u32> = used.into_iter().filter(|v| to[*v as usize] != *v).collect();
@@ -51,13 +52,38 @@ pub(super) fn join(work: &mut Work) {
     work.report(Severity::Repair, "rounded-borders", gone.len(), examples, message);
 }
 
+/// Leaves vertices apart that only grids allow to join, where a third vertex is as near: of sheets that lie as close as their grids are wide, nothing tells which
+/// borders belong together. O(n).
+fn leave_crowded(work: &Work, all: &Roundings, used: &[u32], to: &mut [u32]) {
+    let place = |v: u32| work.mesh.positions[v as usize];
+    let width = all.most();
+    let cell = |v: u32| place(v).map(|x| (x / width).floor() as i64);
+    let moved: Vec<u32> = used.iter().copied().filter(|v| all.by_grid(work, *v, to)).collect();
+    if moved.is_empty() {
+        return;
+    }
+    let mut near: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+    used.iter().for_each(|v| near.entry(cell(*v)).or_default().push(*v));
+    let around = |v: u32| {
+        let [x, y, z] = cell(v);
+        let cells = (0..27).map(move |k| [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1]);
+        cells.filter_map(|cell| near.get(&cell)).flatten().copied()
+    };
+    let apart: Vec<u32> = {
+        let centres = &*to;
+        let is_near = |of: u32, v: u32| {
+            let centre = centres[v as usize];
+            let third = around(of).filter(|w| *w != v && *w != centre && centres[*w as usize] != centre);
+            third.into_iter().any(|w| distance(place(of), place(w)) <= all.widest(of, w))
+        };
+        moved.into_iter().filter(|v| is_near(*v, *v) || is_near(centres[*v as usize], *v)).collect()
+    };
+    apart.into_iter().for_each(|v| to[v as usize] = v);
+}
+
 /// Leaves vertices apart that only grids allow to join, where borders do not close: where no edge meets one of the other primitive, and where two triangles
 /// meet in an edge that both run the same way, while most of what meets there of the two primitives does not. A point may have been taken for its neighbour.
 fn leave_loose(work: &Work, all: &Roundings, to: &mut [u32]) {
-    let place = |v: u32| work.mesh.positions[v as usize];
-    let by_grid = |v: u32, to: &[u32]| {
-        to[v as usize] != v && distance(place(v), place(to[v as usize])) > all.numbers(v, to[v as usize])
-    };
     for _ in 0..ROUNDS {
         let mut joined = vec![false; to.len()];
         (0..to.len()).filter(|v| to[*v] as usize != *v).for_each(|v| joined[to[v] as usize] = true);
@@ -88,7 +114,7 @@ fn leave_loose(work: &Work, all: &Roundings, to: &mut [u32]) {
             let list = if is_wrong(pair) { &mut wrong } else { &mut closes };
             pair.iter().flat_map(|flank| flank.own).for_each(|v| list[v as usize] = true);
         }
-        let leaves = |v: &u32| by_grid(*v, to) && (wrong[*v as usize] || !closes[*v as usize]);
+        let leaves = |v: &u32| all.by_grid(work, *v, to) && (wrong[*v as usize] || !closes[*v as usize]);
         let apart: Vec<u32> = (0..to.len() as u32).filter(leaves).collect();
         if apart.is_empty() {
             return;
@@ -168,6 +194,17 @@ impl Roundings {
         2.0 * self.each.iter().map(|[numbers, cells]| numbers + cells).fold(0.0, f64::max)
     }
 
+    /// Whether a vertex moves farther than the numbers of the primitives explain.
+    fn by_grid(&self, work: &Work, v: u32, to: &[u32]) -> bool {
+        let [from, into] = [v, to[v as usize]].map(|v| work.mesh.positions[v as usize]);
+        to[v as usize] != v && distance(from, into) > self.numbers(v, to[v as usize])
+    }
+
+    /// How far roundings of two points may be from one another that no grid tells apart.
+    fn widest(&self, a: u32, b: u32) -> f64 {
+        self.numbers(a, b) + self.each[a as usize][1] + self.each[b as usize][1]
+    }
+
     /// How far these two may be apart by the numbers of their primitives.
     fn numbers(&self, a: u32, b: u32) -> f64 {
         self.each[a as usize][0] + self.each[b as usize][0]
@@ -222,10 +259,10 @@ mod tests {
         assert!(w.findings.is_empty() && w.mesh.triangles == [[0, 1, 2]]);
     }
 
-    /// Two sheets of one primitive that lie on each other, and a sheet of another primitive beside them, `apart` farther up.
-    fn on_grids(grid: f64, apart: f64) -> Work {
+    /// Two sheets of one primitive, one `over` the other, and a sheet of another primitive beside the upper one, up to `apart` farther up.
+    fn on_grids(grid: f64, over: f64, apart: f64) -> Work {
         let sheet = |x: f64, z: f64| [[x, 0.0, z], [x + 1.0, 0.0, z], [x, 1.0, z], [x + 1.0, 1.0, z]];
-        let positions = [sheet(0.0, 0.0), sheet(0.0, apart), sheet(1.0, apart)].concat();
+        let positions = [sheet(0.0, 0.0), sheet(0.0, over), sheet(1.0, over + apart)].concat();
         let triangles = [0, 4, 8].map(|k| [[k, k + 1, k + 3], [k, k + 3, k + 2]]).concat();
         let parts = [0, 1].map(|primitive| Part { primitive, grid, ..Part::default() }).to_vec();
         let mut work = Work::new(Mesh {
@@ -241,11 +278,41 @@ mod tests {
 
     #[test]
     fn borders_of_primitives_on_other_grids_are_joined_and_those_on_one_grid_stay() {
-        // The third sheet goes to the nearer of the others.
-        let work = on_grids(5e-4, 4e-4);
+        let work = on_grids(5e-4, 3e-3, 4e-4);
         assert_eq!(work.mesh.triangles[2..], [[4, 5, 7], [4, 7, 6], [5, 9, 11], [5, 11, 7]]);
         assert_eq!((work.findings[0].kind, work.findings[0].count), ("rounded-borders", 2));
+        // Sheets closer than the cells, of which either could go on.
+        assert!(on_grids(5e-4, 6e-4, 4e-4).findings.is_empty());
         // Cells as wide as of 8 bits hold no shape.
-        assert!(on_grids(4e-3, 1e-3).findings.is_empty() && on_grids(0.0, 4e-4).findings.is_empty());
+        assert!(on_grids(4e-3, 1e-2, 1e-3).findings.is_empty() && on_grids(0.0, 3e-3, 4e-4).findings.is_empty());
+    }
+
+    #[test]
+    fn points_where_no_edge_closes_or_edges_are_short_stay_apart() {
+        // Two triangles that touch in a point, and two along an edge as short as a cell.
+        let corner =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0003, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, -1.0, 0.0]];
+        let short = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [1.0, 0.0006, 0.0],
+            [1.0003, 0.0, 0.0],
+            [2.0, 0.0, 0.0],
+            [1.0003, 0.0006, 0.0],
+        ];
+        for positions in [corner, short] {
+            let parts = [0, 1].map(|primitive| Part { primitive, grid: 5e-4, ..Part::default() }).to_vec();
+            let triangles = vec![[0, 1, 2], [3, 4, 5]];
+            let mesh = Mesh {
+                positions: positions.to_vec(),
+                triangles,
+                parts,
+                triangle_part: vec![0, 1],
+                ..Default::default()
+            };
+            let mut work = Work::new(mesh);
+            join(&mut work);
+            assert!(work.findings.is_empty(), "{:?}", work.findings);
+        }
     }
 }
