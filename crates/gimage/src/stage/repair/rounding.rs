@@ -92,7 +92,7 @@ fn leave_loose(work: &Work, all: &Roundings, to: &mut [u32]) {
             let source = all.source.get(*part as usize).copied().unwrap_or(NONE);
             for own in [0, 1, 2].map(|c| [corners[c], corners[(c + 1) % 3]]) {
                 let [a, b] = own.map(|v| to[v as usize]);
-                if a != b && joined[a as usize] && joined[b as usize] {
+                if a != b && (joined[a as usize] || joined[b as usize]) {
                     edges.push(([a.min(b), a.max(b)], Flank { forward: a < b, source, own }));
                 }
             }
