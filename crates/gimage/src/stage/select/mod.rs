@@ -206,7 +206,6 @@ fn bare_joint(mesh: &Mesh) -> Option<&str> {
 }
 
 /// The finding about a choice; none if all parts are cloth and look like it.
-
 pub(crate) fn findings(mesh: &Mesh, verdicts: &[Verdict], options: &SelectOptions) -> Vec<Finding> {
     let asked = !(options.cloth.is_empty() && options.body.is_empty() && options.rigid.is_empty());
     let of = |p: &u32| &verdicts[*p as usize];
