@@ -60,20 +60,24 @@ pub(super) fn standing(accessors: &Accessors, forest: &Forest, placed: &[Placed]
 
 /// The skins in use. Meshes of one character stay together: skins that share joints stand as the one of them does whose top joint is highest.
 fn skins(accessors: &Accessors, forest: &Forest, used: &HashSet<usize>) -> HashMap<usize, Skin> {
+    let order = forest.order();
     let read = |index: &usize| {
         let skin = &accessors.doc.root.skins[*index];
         skin.inverse_bind_matrices?;
         let binds = inverse_binds(accessors, forest, *index).ok()?;
         let binds: HashMap<usize, Matrix> = skin.joints.iter().map(|j| j.value()).zip(binds).collect();
-        let ancestors = |node: usize| std::iter::successors(forest.parent[node], |n| forest.parent[*n]);
+        // For each node the highest joint among it and its ancestors, and how many joints that is for.
+        let mut highest: Vec<Option<usize>> = vec![None; forest.parent.len()];
         let mut below: HashMap<usize, usize> = HashMap::new();
-        for joint in binds.keys() {
-            let highest = ancestors(*joint).filter(|n| binds.contains_key(n)).last().unwrap_or(*joint);
-            *below.entry(highest).or_default() += 1;
+        for &n in &order {
+            let is_joint = binds.contains_key(&n);
+            highest[n] = forest.parent[n].and_then(|parent| highest[parent]).or(is_joint.then_some(n));
+            highest[n].filter(|_| is_joint).into_iter().for_each(|top| *below.entry(top).or_default() += 1);
         }
         let top = below.into_iter().max_by_key(|(joint, count)| (*count, std::cmp::Reverse(*joint)))?.0;
         let stands = similar(&matrix::mul(&forest.world[top], &binds[&top]), bound(&binds[&top])?)?;
-        Some((*index, Skin { top, depth: ancestors(top).count(), binds, stands, group: *index }))
+        let depth = std::iter::successors(forest.parent[top], |n| forest.parent[*n]).count();
+        Some((*index, Skin { top, depth, binds, stands, group: *index }))
     };
     let mut all: Vec<(usize, Skin)> = used.iter().filter_map(read).collect();
     all.sort_by_key(|(index, skin)| (skin.depth, std::cmp::Reverse(skin.binds.len()), *index));
