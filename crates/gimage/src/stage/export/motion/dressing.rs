@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use gimage_bundle::texture_image;
 use serde_json::{Map, Value, json};
 
 use super::super::glb::BinaryChunk;
@@ -165,7 +166,7 @@ impl Source<'_> {
     fn texture(&self, index: usize, out: &mut Dressing) -> Option<usize> {
         let number = |value: &Value| value.as_u64().map(|n| n as usize);
         let texture = self.file["textures"].get(index)?;
-        let image = self.file["images"].get(number(&texture["source"])?)?;
+        let image = self.file["images"].get(texture_image(texture)?)?;
         let view = self.file["bufferViews"].get(number(&image["bufferView"])?)?;
         let start = number(&view["byteOffset"]).unwrap_or(0);
         let bytes = self.bin.get(start..start.checked_add(number(&view["byteLength"])?)?)?;
@@ -174,7 +175,15 @@ impl Source<'_> {
             out.images.push((image["mimeType"].clone(), image["name"].clone(), bytes.to_vec()));
             out.images.len() - 1
         });
-        let mut new = json!({"source": place});
+        // An image in another format stays where its extension has it.
+        let others = texture["extensions"].as_object().filter(|_| texture["source"].is_null());
+        let mut new = match others.and_then(|all| all.iter().find(|(_, of)| of["source"].is_u64())) {
+            Some((name, _)) => {
+                out.uses(name);
+                json!({"extensions": {name.as_str(): {"source": place}}})
+            }
+            None => json!({"source": place}),
+        };
         if let Some(sampler) = number(&texture["sampler"]).and_then(|s| self.file["samplers"].get(s)) {
             let at = out.samplers.iter().position(|s| s == sampler).unwrap_or_else(|| {
                 out.samplers.push(sampler.clone());
