@@ -66,10 +66,12 @@ pub(crate) fn open(cutter: &Cutter<'_>, cut: &Cut) -> Result<Disk, NotADisk> {
         }
     }
     // As most of the area winds.
-    let area = |t: usize| surface.triangle_area(t);
-    let against: f64 = (0..triangles.len()).map(|t| if turned[t] == Some(true) { area(t) } else { -area(t) }).sum();
-    if against > 0.0 {
-        turned.iter_mut().flatten().for_each(|turned| *turned = !*turned);
+    if turned.contains(&Some(true)) {
+        let area = |t: usize| surface.triangle_area(t);
+        let against: f64 = (0..triangles.len()).map(|t| if turned[t] == Some(true) { area(t) } else { -area(t) }).sum();
+        if against > 0.0 {
+            turned.iter_mut().flatten().for_each(|turned| *turned = !*turned);
+        }
     }
     // Corners that stay together, as sets.
     let corner_count = 3 * triangles.len();
