@@ -294,12 +294,7 @@ fn worse(a: &Fate, b: &Fate) -> bool {
 
 /// Whether a cloth without pins is below everything that could hold it.
 fn gone<T: Real>(sight: &Sight<T>, touched: &[bool]) -> Option<Fate> {
-    let g = sight.gravity.map(|x| T::of(x.into()));
-    let strength = dot(g, g).sqrt();
-    if strength.get() <= 0.0 || sight.now.iter().any(|p| p[3].get() == 0.0) {
-        return None;
-    }
-    let up = scale(g, T::of(-1.0) / strength);
+    let up = up(sight.gravity).filter(|_| sight.now.iter().all(|p| p[3].get() != 0.0))?;
     let height = |p: V3<T>| dot(p, up).get();
     let top = sight.now.iter().filter(|p| p[3].get() >= 0.0).map(|p| height(xyz(*p))).fold(f64::NEG_INFINITY, f64::max);
     let bottom = |s: &Solid<T>| s.around().map_or(f64::NEG_INFINITY, |r| height(s.center) - r.get());
@@ -314,14 +309,16 @@ fn gone<T: Real>(sight: &Sight<T>, touched: &[bool]) -> Option<Fate> {
     }
 }
 
+/// The direction against gravity; `None` without any.
+fn up<T: Real>(gravity: [f32; 3]) -> Option<V3<T>> {
+    let g = gravity.map(|x| T::of(x.into()));
+    let strength = dot(g, g).sqrt();
+    (strength.get() > 0.0).then(|| scale(g, T::of(-1.0) / strength))
+}
+
 /// A particle of a piece of pinned cloth that nothing holds, once all of the piece is below everything that could hold it.
 fn fallen<T: Real>(sight: &Sight<T>) -> Option<usize> {
-    let g = sight.gravity.map(|x| T::of(x.into()));
-    let strength = dot(g, g).sqrt();
-    if strength.get() <= 0.0 || sight.cloth.grids().len() < 2 {
-        return None;
-    }
-    let up = scale(g, T::of(-1.0) / strength);
+    let up = up(sight.gravity).filter(|_| sight.cloth.grids().len() > 1)?;
     let height = |p: V3<T>| dot(p, up).get();
     let bottoms = sight.solids.iter().map(|s| height(s.center) - s.around().map_or(f64::INFINITY, Real::get));
     let start = sight.cloth.positions().iter().map(|p| height(cast(sight.home.apply(*p))));
