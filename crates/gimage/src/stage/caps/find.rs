@@ -5,7 +5,7 @@ use gimage_bundle::DisjointSets;
 use super::Cap;
 use crate::base::halfedge::{euler, sorted_edges};
 use crate::base::mesh::Mesh;
-use crate::base::vec3::{cross, distance, dot, normalize, sub};
+use crate::base::vec3::{add, cross, distance, dot, normalize, scale, sub};
 use crate::stage::import::bones;
 
 /// Sheets end at edges that are bent by more than this.
@@ -14,8 +14,8 @@ pub(super) const SHARP_DEGREES: f64 = 45.0;
 const GARMENT_SHARE: f64 = 0.5;
 /// Least and largest share of the area of a component that a cap may have: more than a button, less than a front.
 const CAP_SHARE: [f64; 2] = [0.003, 0.25];
-/// The area of a flat disk with the border of a cap, over that of the cap, at least.
-const FLAT_SHARE: f64 = 0.5;
+/// The area of the opening that a cap closes, over that of the cap, at least.
+const FLAT_SHARE: f64 = 0.45;
 
 /// All caps of a repaired mesh, by their first triangles.
 pub(super) fn caps(mesh: &Mesh) -> Vec<Cap> {
@@ -68,9 +68,9 @@ pub(super) fn caps(mesh: &Mesh) -> Vec<Cap> {
         let first = triangles[0] as usize;
         let (area, length) = (triangles.iter().map(|t| areas[*t as usize]).sum::<f64>(), lengths[first]);
         let share = area / whole[component[first] as usize];
-        let flat = length * length / (4.0 * std::f64::consts::PI);
+        let opening = opening(triangles.iter().map(|t| (areas[*t as usize], normals[*t as usize])));
         let corners: Vec<[u32; 3]> = triangles.iter().map(|t| mesh.triangles[*t as usize]).collect();
-        let is_lid = flat >= FLAT_SHARE * area && (CAP_SHARE[0]..=CAP_SHARE[1]).contains(&share);
+        let is_lid = opening >= FLAT_SHARE * area && (CAP_SHARE[0]..=CAP_SHARE[1]).contains(&share);
         if is_lid && !triangles.iter().any(|t| has_hole[*t as usize]) && euler(&corners) == 1 {
             let node = mesh.parts.get(mesh.triangle_part[first] as usize).map(|part| part.node.clone());
             let (node, bone) = (node.unwrap_or_default(), bone_through(mesh, triangles, (&component, first)));
@@ -78,6 +78,12 @@ pub(super) fn caps(mesh: &Mesh) -> Vec<Cap> {
         }
     }
     found
+}
+
+/// The area of the opening around triangles, given with their normals: the length of their vector area, which depends on their border alone.
+fn opening(triangles: impl Iterator<Item = (f64, [f64; 3])>) -> f64 {
+    let sum = triangles.fold([0.0; 3], |sum, (area, n)| add(sum, scale(n, area)));
+    dot(sum, sum).sqrt()
 }
 
 /// The unit normal of a triangle; 0 without area.

@@ -1,8 +1,8 @@
 //! Caps across the openings of a worn garment: game assets close sleeves, waists and necks with a lid, which is not cloth.
 //!
 //! Sheets are triangles joined across edges flatter than [`SHARP_DEGREES`]; the largest sheet of a component is the garment. A cap is a set of other sheets
-//! that hangs together, is a disk, meets the garment along its whole border, and has hardly more area than a flat disk on that border: a lid, with the
-//! rim and the turned-in hem around it. A bone of the garment's joints that passes through it tells that a limb comes out there.
+//! that hangs together, is a disk, meets the garment along its whole border, and has at most about twice the area of the opening that it closes: a lid,
+//! with the rim and the turned-in hem around it, but not the shirt and the lining that an open jacket shows. A bone of the garment's joints that passes through it tells that a limb comes out there.
 
 mod find;
 mod report;
