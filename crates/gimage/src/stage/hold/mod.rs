@@ -2,9 +2,10 @@
 //!
 //! Each garment is held by the first of these that it has: a ring around the body along its highest border (a collar, a waistband), with
 //! parts that lie on shoulders beside it; parts that lie on shoulders; its upper edge where that is near the body. A garment with none of
-//! them is held by its top. All lengths follow the height of the body. Where one garment lies over another one near pins or the body, both keep this order
+//! them is held by its top. Hems that hide where the body ends have limits as well. All lengths follow the height of the body. Where one garment lies over another one near pins or the body, both keep this order
 //! by limits and backstops.
 
+mod ends;
 mod over;
 mod report;
 mod rest;
@@ -57,6 +58,8 @@ pub struct Hold {
     pub limited: f64,
     /// Pins inside of the body, and what was pinned beside them.
     pub tuck: Tuck,
+    /// Borders that hide where the body ends, and have limits.
+    pub hems: usize,
     /// The garments that lie over it near its pins or the body, by name.
     pub over: Vec<String>,
     /// Share of its area that is covered so, and stays near the skin.
@@ -153,7 +156,8 @@ fn garment(wearer: &Wearer, sheet: Sheet, name: &str) -> Garment {
     } else {
         pinned = deeper;
     }
-    let limits = spread::limits(&sheet, &pinned, rest.least, rest.reach);
+    let mut limits = spread::limits(&sheet, &pinned, rest.least, rest.reach);
+    let hems = ends::run(wearer, &sheet, (&pinned, &mut limits), rest::height(wearer, sheet.span()));
     let limited: Vec<bool> = limits.iter().zip(&pinned).map(|(l, p)| l.is_finite() && !p).collect();
     let hold = Hold {
         name: name.to_owned(),
@@ -161,6 +165,7 @@ fn garment(wearer: &Wearer, sheet: Sheet, name: &str) -> Garment {
         pinned: spread::share(&sheet, &pinned),
         limited: spread::share(&sheet, &limited),
         tuck,
+        hems,
         over: Vec::new(),
         covered: 0.0,
     };

@@ -1,6 +1,7 @@
 //! Findings about garments that are held.
 
 use super::{Hold, Rule, Tuck};
+use crate::base::words::counted;
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 
 /// A note about all garments, and a warning about those that do not rest on the body.
@@ -47,6 +48,15 @@ pub(super) fn findings(garments: &[Hold]) -> Vec<Finding> {
             "Cloth that was modelled into the body around pins is pinned too, where it is inside: {listed}. Choose otherwise with --pin."
         );
         out.push(finding(Severity::Note, "hint-tucked", &tucked, message));
+    }
+    let hiding: Vec<&Hold> = garments.iter().filter(|h| h.hems > 0).collect();
+    if !hiding.is_empty() {
+        let one = |hold: &&Hold| format!("{} of {}", counted(hold.hems, "border", "borders"), hold.name);
+        let listed = hiding.iter().take(MAX_EXAMPLES).map(one).collect::<Vec<_>>().join("; ");
+        let message = format!(
+            "The body ends beneath clothes: {listed} would show it in motion, and stay near their place on the skin. Choose otherwise with --pin."
+        );
+        out.push(finding(Severity::Note, "hint-ends", &hiding, message));
     }
     let covered: Vec<&Hold> = garments.iter().filter(|h| !h.over.is_empty()).collect();
     if !covered.is_empty() {

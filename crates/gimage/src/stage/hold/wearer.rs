@@ -3,6 +3,7 @@
 use gimage_bundle::Winding;
 use rayon::prelude::*;
 
+use super::ends::{self, End};
 use crate::base::closest::Closest;
 use crate::base::mesh::Mesh;
 use crate::base::vec3::{add, cross, distance, dot, normalize, scale, sub};
@@ -20,6 +21,8 @@ pub struct Wearer {
     up: Vec<f64>,
     /// From each joint to its parent \[m\], as the mesh is bound.
     bones: Vec<[[f64; 3]; 2]>,
+    /// Where it ends.
+    pub(super) ends: Vec<End>,
     /// Lowest and highest point \[m\].
     pub(super) span: [f64; 2],
 }
@@ -40,6 +43,7 @@ impl Wearer {
             winding: Winding::new((0..body.triangles.len()).map(|t| body.corners(t))),
             up: (0..body.triangles.len()).map(up).collect(),
             bones: bones(&body.skeleton).into_iter().map(|bone| bone.ends).collect(),
+            ends: ends::of(body),
             span: [low[1], high[1]],
             closest,
         })
