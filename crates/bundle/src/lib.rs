@@ -63,8 +63,8 @@ pub use manifest::Manifest;
 pub use map::{Image, MAX_SIDE, MapKind, check_file_name, check_size, file_stems};
 pub use particle::{MAX_PARTICLES, Particle};
 pub use render::{
-    COORD, JOINTS, MAX_RENDER_BYTES, OFFSET, RENDER_FILE, RenderFile, RenderMaterial, RenderPrimitive, UvTransform,
-    WEIGHTS, Wrap, is_binding, numbered, texture_image,
+    BLEND, COORD, JOINTS, MAX_RENDER_BYTES, OFFSET, RENDER_FILE, RenderFile, RenderMaterial, RenderPrimitive,
+    UvTransform, WEIGHTS, Wrap, is_binding, numbered, texture_image,
 };
 pub use rings::{LinkFault, Rings, find_rings, ring_gap};
 pub use springs::{SPRING_STEPS, other_end};

@@ -30,6 +30,8 @@ pub const OFFSET: &str = "_GIMAGE_OFFSET";
 pub const JOINTS: &str = "_GIMAGE_JOINTS";
 /// The attribute of vertices with the weights of these joints.
 pub const WEIGHTS: &str = "_GIMAGE_WEIGHTS";
+/// The attribute of vertices with a share, 0 to 1, that multiplies the blend of their points of the surface.
+pub const BLEND: &str = "_GIMAGE_BLEND";
 /// Largest size of the file in bytes: 2 GiB.
 pub const MAX_RENDER_BYTES: u64 = 2 << 30;
 

@@ -29,7 +29,7 @@ use crate::stage::assemble::blends;
 use crate::stage::assemble::mass::check_mean;
 use crate::stage::assemble::{Piece, assemble, measure_piece, summary};
 use crate::stage::blend::{BlendWidth, WIDTH, blend, border};
-use crate::stage::caps::open_caps;
+use crate::stage::caps::{Caps, open_caps};
 use crate::stage::component::Component;
 use crate::stage::gate;
 use crate::stage::image::PieceImage;
@@ -106,7 +106,8 @@ fn build_as(
     let width = blend_width(options, dressed);
     let edges = if width.is_some() { border(&mesh, &options.select)? } else { Vec::new() };
     let is_painted = mesh.channel(&Semantic::Custom(blends::ATTRIBUTE.into())).is_some();
-    let may_blend = !edges.is_empty() || !options.assemble.blends.is_empty() || is_painted;
+    let may_open = options.caps.caps != Caps::Keep && !mesh.skeleton.joints.is_empty();
+    let may_blend = may_open || !edges.is_empty() || !options.assemble.blends.is_empty() || is_painted;
     let mut trace = is_drawn.then(|| {
         let trace = Trace::start(&mut mesh);
         if may_blend { trace.with_joints(&mesh) } else { trace }
@@ -124,7 +125,11 @@ fn build_as(
     run.report.findings.extend(plan.findings.iter().cloned());
     let options = &plan.options;
     let mut thinned = run.stage(Stage::Shell, 1, |report| {
+        let corners = trace.as_ref().filter(|_| may_open).map(|trace| trace.corners_of(&mesh));
         let opened = open_caps(mesh, &options.caps);
+        if let (Some(trace), Some(corners)) = (&mut trace, corners) {
+            trace.capped(&corners, &opened.caps);
+        }
         report.findings.extend(opened.finding);
         let thinned = thin(opened.mesh, &options.shell, &options.component);
         report.findings.extend(thinned.findings.iter().cloned());

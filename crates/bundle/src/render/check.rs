@@ -3,7 +3,7 @@
 use crate::bundle::Bundle;
 use crate::error::Result;
 use crate::particle::Particle;
-use crate::render::{COORD, JOINTS, OFFSET, RENDER_FILE, RenderFile, RenderPrimitive, WEIGHTS, damaged};
+use crate::render::{BLEND, COORD, JOINTS, OFFSET, RENDER_FILE, RenderFile, RenderPrimitive, WEIGHTS, damaged};
 use crate::surface::SurfacePoint;
 use crate::validate::{Fault, FaultKind};
 
@@ -50,6 +50,10 @@ fn check_primitive(bundle: &Bundle, particles: &[Particle], p: &RenderPrimitive)
         if SurfacePoint::at((entry.width, entry.height), exists, [u, v]).is_none() {
             return bad(format!("({u}, {v}) is not on the surface of piece {}", entry.name));
         }
+    }
+    if let Some((v, share)) = p.blends.iter().enumerate().find(|(_, share)| !(0.0..=1.0).contains(*share)) {
+        let element = format!("mesh {}, primitive {}, vertex {v}", p.mesh, p.index);
+        return Err(damaged(element, format!("{BLEND} is {share}, not a share from 0 to 1")));
     }
     let joints = bundle.manifest.skeleton.as_ref().map_or(0, |s| s.joints.len());
     for (v, own) in p.influences.chunks(p.sets.max(1)).enumerate() {

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::matrix::Matrix;
 use super::nodes::Placed;
-use super::{COORD, JOINTS, OFFSET, RenderFile, WEIGHTS, damaged};
+use super::{BLEND, COORD, JOINTS, OFFSET, RenderFile, WEIGHTS, damaged};
 use crate::error::Result;
 
 /// A primitive of a mesh as a node places it. Lists have an entry per vertex; those of attributes that are absent are empty.
@@ -40,6 +40,8 @@ pub struct RenderPrimitive {
     pub influences: Vec<([u32; 4], [f32; 4])>,
     /// Sets of four joints per vertex.
     pub sets: usize,
+    /// Shares, 0 to 1, that multiply the blend of the vertices' points of the surface.
+    pub blends: Vec<f32>,
     /// The material, for [`RenderFile::material`].
     pub material: Option<usize>,
 }
@@ -99,6 +101,7 @@ fn load(
     Ok(Some(RenderPrimitive {
         influences: (0..count).flat_map(influence).collect(),
         sets: sets.len(),
+        blends: vectors::<1>(file, &element, BLEND, accessor(BLEND), Some(count))?.into_flattened(),
         node: placed.node,
         mesh: placed.mesh,
         index,
@@ -118,7 +121,7 @@ fn load(
 
 /// Whether an attribute is one that binds vertices to the pieces of a bundle.
 pub fn is_binding(name: &str) -> bool {
-    [COORD, OFFSET, JOINTS, WEIGHTS]
+    [COORD, OFFSET, JOINTS, WEIGHTS, BLEND]
         .iter()
         .any(|own| name.strip_prefix(own).is_some_and(|set| set.bytes().all(|b| b.is_ascii_digit())))
 }

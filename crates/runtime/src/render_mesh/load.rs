@@ -20,7 +20,8 @@ pub(super) fn load(bundle: &Bundle) -> Result<Option<RenderMesh>> {
     let (mut parts, mut uv, mut indices, mut rows) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let (mut images, mut colors): (Vec<Vec<u8>>, Vec<[f32; 4]>) = Default::default();
     let primitives = file.primitives()?;
-    let mut blended = cloth.blends.is_some().then(|| Blended {
+    let blends = cloth.blends.is_some() || primitives.iter().any(|p| !p.blends.is_empty());
+    let mut blended = blends.then(|| Blended {
         sets: primitives.iter().map(|p| p.sets).max().unwrap_or(0).max(1),
         joints: bundle.manifest.skeleton.as_ref().map_or(0, |s| s.joints.len()).max(1),
         ..Blended::default()
@@ -147,7 +148,7 @@ fn add(
                     element: format!("mesh {}, primitive {}, vertex {v}", primitive.mesh, primitive.index),
                     problem: "it is not bound to a point of the surface".into(),
                 })?;
-                let share = cloth.blend(corners, weights);
+                let share = cloth.blend(corners, weights) * primitive.blends.get(v).map_or(1.0, |x| x.clamp(0.0, 1.0));
                 if let Some(blended) = blended.as_deref_mut().filter(|_| share < 1.0) {
                     let at = apply(&columns, p.map(f64::from));
                     blended.rows.push(BlendRow {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use gimage_bundle::{COORD, JOINTS, OFFSET, WEIGHTS, is_binding, numbered};
+use gimage_bundle::{BLEND, COORD, JOINTS, OFFSET, WEIGHTS, is_binding, numbered};
 use serde_json::{Value, json};
 
 use super::bind::{Binding, UNBOUND};
@@ -132,6 +132,9 @@ impl Attached {
             let offset = self.accessor(list.iter().map(|(b, _)| b.offset));
             let mut names = vec![(COORD.into(), coord), (OFFSET.into(), offset)];
             names.extend(self.joints(list, skin));
+            if list.iter().any(|(b, _)| b.blend < 1.0) {
+                names.push((BLEND.into(), self.accessor(list.iter().map(|(b, _)| [b.blend]))));
+            }
             written.insert(accessor, names);
         }
         for b in group.iter().filter(|b| is_bound(&b.vertices)) {
@@ -147,7 +150,7 @@ impl Attached {
 
     /// The joints of vertices and their weights, if any of them is on a piece that blends and has joints.
     fn joints(&mut self, list: &Shared, skin: &Skin) -> Vec<(String, usize)> {
-        let blends = |b: &Binding| skin.blending.iter().any(|piece| b.coord[0] == *piece as f32);
+        let blends = |b: &Binding| b.blend < 1.0 || skin.blending.iter().any(|piece| b.coord[0] == *piece as f32);
         if !list.iter().any(|(b, v)| blends(b) && skin.trace.joints(*v).is_some()) {
             return Vec::new();
         }
@@ -173,8 +176,7 @@ impl Attached {
         let length = self.bin.len() - start;
         let view = json!({"buffer": 0, "byteLength": length, "byteOffset": start, "target": 34962});
         let view = push(&mut self.json, "bufferViews", view);
-        let accessor =
-            json!({"bufferView": view, "componentType": 5126, "count": length / (4 * N), "type": format!("VEC{N}")});
+        let accessor = json!({"bufferView": view, "componentType": 5126, "count": length / (4 * N), "type": if N == 1 { "SCALAR".into() } else { format!("VEC{N}") }});
         push(&mut self.json, "accessors", accessor)
     }
 

@@ -14,10 +14,12 @@ pub(super) struct Binding {
     pub coord: [f32; 3],
     /// The offset \[m\] in the frame.
     pub offset: [f32; 3],
+    /// Where it is drawn, 0 on the skin and 1 on the cloth.
+    pub blend: f32,
 }
 
 /// A vertex that is bound to nothing.
-pub(super) const UNBOUND: Binding = Binding { coord: [-1.0, 0.0, 0.0], offset: [0.0; 3] };
+pub(super) const UNBOUND: Binding = Binding { coord: [-1.0, 0.0, 0.0], offset: [0.0; 3], blend: 1.0 };
 
 /// A point of the surface as the runtime finds it again.
 pub(super) struct Anchor {
@@ -52,7 +54,7 @@ impl Anchor {
         let [a, b, c] = self.corners.map(|p| p.map(f64::from));
         let [s, t] = self.weights.map(f64::from);
         let foot: [f64; 3] = std::array::from_fn(|k| a[k] + s * (b[k] - a[k]) + t * (c[k] - a[k]));
-        Binding { coord: self.coord, offset: self.frame.inward(sub(p, foot)).map(|x| x as f32) }
+        Binding { coord: self.coord, offset: self.frame.inward(sub(p, foot)).map(|x| x as f32), blend: 1.0 }
     }
 
     /// How far \[m\] a bound vertex is from `p` at rest, as a runtime computes it.

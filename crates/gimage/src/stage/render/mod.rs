@@ -11,6 +11,7 @@ mod finite;
 mod halves;
 mod hems;
 mod layout;
+mod lids;
 mod options;
 mod placed;
 pub(crate) mod plain;
@@ -231,9 +232,12 @@ fn bind(bundle: &Bundle, texels: &Texels, made: &Made<'_>) -> Result<Bindings> {
             is_rigid[class] = true;
         }
     }
+    lids::to_skin(&classes, &trace, &mut bound);
     let free = || bound.iter().zip(&is_rigid).zip(&classes.positions).filter(|((_, rigid), _)| !**rigid);
+    // What is on the skin swings with nothing.
+    let swings = |b: &&bind::Bound| b.binding.blend > 0.0 && b.far > FAR * diagonal;
     let far: Vec<([f64; 3], f64)> =
-        free().filter_map(|((b, _), p)| b.as_ref().map(|b| (*p, b.far))).filter(|b| b.1 > FAR * diagonal).collect();
+        free().filter_map(|((b, _), p)| b.as_ref().filter(swings).map(|b| (*p, b.far))).collect();
     let largest = free().filter_map(|((b, _), _)| b.as_ref()).map(|b| b.far).fold(0.0, f64::max);
     let mut findings = Vec::new();
     if !far.is_empty() {

@@ -201,6 +201,10 @@ fn halve(trace: &mut Trace, [a, b]: [u32; 2]) -> u32 {
     let [p, q] = [a, b].map(|v| trace.positions[v as usize]);
     trace.positions.push(scale(add(p, q), 0.5));
     trace.is_cloth.push(true);
+    if !trace.lids.is_empty() {
+        let [x, y] = [a, b].map(|v| trace.lid(v));
+        trace.lids.push(x.min(y));
+    }
     let of = |v: u32, n: usize| trace.influences.get(v as usize * trace.sets + n).copied().unwrap_or_default();
     let both: Vec<Influence> = (0..trace.sets).flat_map(|n| [of(a, n), of(b, n)]).collect();
     let pairs = both.iter().flat_map(|(j, w)| j.iter().zip(w)).map(|(j, w)| (f64::from(*j), f64::from(*w)));

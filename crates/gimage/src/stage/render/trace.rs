@@ -4,6 +4,7 @@
 //! the end where each corner came from. It is taken off before the maps are made.
 
 use crate::base::mesh::{Channel, Mesh, NONE, Semantic};
+use crate::stage::caps::Cap;
 
 /// The name of the attribute: no file has it, as names of custom attributes begin with an underscore.
 const NAME: &str = "imported vertex";
@@ -23,6 +24,8 @@ pub(crate) struct Trace {
     pub influences: Vec<Influence>,
     /// Sets of four joints per vertex.
     pub sets: usize,
+    /// For each vertex of a cap around a limb that is not cloth the radius \[m\] of the opening that this closes, 0 for others; empty without such caps.
+    pub lids: Vec<f32>,
 }
 
 /// Four joints, as whole floats, and their weights.
@@ -41,6 +44,7 @@ impl Trace {
             corners: Vec::new(),
             influences: Vec::new(),
             sets: 0,
+            lids: Vec::new(),
         }
     }
 
@@ -83,6 +87,27 @@ impl Trace {
         let mut is_cloth = vec![false; self.positions.len()];
         self.marks(mesh).filter(|&v| v != NONE).for_each(|v| is_cloth[v as usize] = true);
         self.is_cloth = is_cloth;
+    }
+
+    /// The vertices that the corners of the mesh were.
+    pub fn corners_of(&self, mesh: &Mesh) -> Vec<u32> {
+        self.marks(mesh).collect()
+    }
+
+    /// Takes in caps that were left out of a mesh with these corners.
+    pub fn capped(&mut self, corners: &[u32], caps: &[Cap]) {
+        for cap in caps.iter().filter(|cap| cap.bone.is_some()) {
+            self.lids.resize(self.positions.len(), 0.0);
+            let own = cap.triangles.iter().filter_map(|t| corners.get(3 * *t as usize..3 * *t as usize + 3));
+            for &v in own.flatten().filter(|v| **v != NONE) {
+                self.lids[v as usize] = (cap.length / std::f64::consts::TAU) as f32;
+            }
+        }
+    }
+
+    /// The radius \[m\] of the opening that a cap with this vertex closes, 0 if there is none.
+    pub fn lid(&self, vertex: u32) -> f32 {
+        self.lids.get(vertex as usize).copied().unwrap_or(0.0)
     }
 
     /// Takes the marks off the mesh that becomes pieces.

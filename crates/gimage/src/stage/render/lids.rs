@@ -1,0 +1,22 @@
+//! Caps that are left out of the cloth are drawn: what is deep inside of an opening stays on the limb that comes out there, and the rim goes with the
+//! cloth. At an offset from the rim alone it would swing as that turns.
+
+use super::bind::Bound;
+use super::classes::Classes;
+use super::trace::Trace;
+
+/// Distance from the cloth, as shares of the radius of the opening, from which a vertex leaves the cloth and up to which it is on the skin.
+const LEAVES: [f64; 2] = [0.15, 0.45];
+
+/// Gives the vertices of caps that follow joints their blend from the cloth to the skin. O(n).
+pub(super) fn to_skin(classes: &Classes, trace: &Trace, bound: &mut [Option<Bound>]) {
+    for (v, &class) in classes.of.iter().enumerate() {
+        let radius = f64::from(trace.lid(v as u32));
+        let Some(Some(bound)) = bound.get_mut(class as usize).filter(|_| radius > 0.0) else { continue };
+        if trace.joints(v as u32).is_none() {
+            continue;
+        }
+        let along = ((bound.far / radius - LEAVES[0]) / (LEAVES[1] - LEAVES[0])).clamp(0.0, 1.0);
+        bound.binding.blend = bound.binding.blend.min((1.0 - along * along * (3.0 - 2.0 * along)) as f32);
+    }
+}
