@@ -77,7 +77,7 @@ pub enum Support {
 ///
 /// Substeps of hanging cloth that is stirred are in force at once, 1 s after the last pin moved, and from the start for 1 s and a period of a rod as long as the diagonal of its box (3 s of a sheet of 1 m); then they fall as those of fast colliders do.
 ///
-/// The choice is made again when a cloth loses its last pin, and when the first collider comes. A cloth that is added raises the
+/// The choice is made again when a cloth loses its last pin or gets its first one, to which no tether leads, and when the first collider comes. A cloth that is added raises the
 /// numbers if it asks for more ([`crate::Stepper::add_cloth`]). Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when
 /// colliders change: the number rises at once, and falls gradually one second after the need ends. Cloth with a compliance
 /// or a material is not polished, as its stretch is wanted. Cloth on pins whose compliance is seen has up to 128 relaxations per
@@ -207,7 +207,7 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
     let sheet = cloth.membrane().is_some();
     let (substeps, polish, support) = match (
         is_pinned(cloth),
-        given.tethers > 0,
+        given.tethers > 0 && !cloth.untethered,
         scene.meets(cloth.met_groups()) || cloth.body().is_some() || cloth.contact.is_some(),
     ) {
         (true, true, _) if !sheet && cloth.follows_joints() => {

@@ -59,6 +59,11 @@ impl Clock {
         Progress { steps: steps as u32, fraction: (self.left / self.dt).clamp(0.0, 1.0) as f32 }
     }
 
+    /// Time \[s\] of the host after the last step of the frame; 0 where that is rounding, or time was dropped.
+    pub fn rest(&self) -> f64 {
+        if self.left > ROUNDING * self.dt { self.left } else { 0.0 }
+    }
+
     /// To be called after every step.
     pub fn tick(&mut self) {
         self.time += self.dt;
@@ -92,6 +97,8 @@ mod tests {
         let mut clock = clock(1);
         let p = clock.frame(1.5 / 60.0);
         assert_eq!((p.steps, (p.fraction - 0.5).abs() < 1e-6), (1, true));
+        assert!((clock.rest() - 0.5 / 60.0).abs() < 1e-12);
         assert_eq!(clock.frame(0.5 / 60.0).steps, 1);
+        assert_eq!(clock.rest(), 0.0);
     }
 }

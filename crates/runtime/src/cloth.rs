@@ -190,6 +190,8 @@ pub struct Cloth {
     pub(crate) coarse: bool,
     /// How many coarser grids, from the finest on, have all pins, as of when a stepper took it in.
     pub(crate) levels_with_pins: u32,
+    /// Whether its pins came when it had none, so that no tether leads to them.
+    pub(crate) untethered: bool,
     /// Texture coordinates along the fabric.
     grain: Option<Arc<Vec<[f32; 2]>>>,
     /// The stitches that tie its grids to each other.
@@ -234,6 +236,7 @@ impl Cloth {
             shear: 0.0,
             coarse: false,
             levels_with_pins: u32::MAX,
+            untethered: false,
             grain: None,
             sewing: None,
             skin: None,

@@ -70,6 +70,13 @@ impl MovingFrame {
         rotate(inverse(self.rotation), sub(p, self.position))
     }
 
+    /// A share of the way to another one, the shorter way round.
+    pub(crate) fn towards(&self, to: &MovingFrame, along: f64) -> Self {
+        let way = scale(sub(to.position, self.position), along);
+        let turn = share(product(to.rotation, inverse(self.rotation)), along);
+        MovingFrame { position: add(self.position, way), rotation: product(turn, self.rotation) }
+    }
+
     /// The same with a unit quaternion. Errors on numbers that are not finite, and on a rotation of no length.
     pub(crate) fn checked(&self) -> Result<Self> {
         for x in self.position {

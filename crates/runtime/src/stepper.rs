@@ -92,12 +92,13 @@ impl Stepper {
     pub fn advance(&mut self, dt: f64) -> Result<Progress> {
         let (bodies, threads) = self.cpu.as_mut().ok_or(Error::GpuOnly("Stepper::advance"))?;
         self.world.measure_sleepers(bodies);
-        if self.world.drive(dt)
+        let changed = self.world.drive(dt);
+        let progress = self.world.begin(dt);
+        if self.world.repose(changed)
             && let Some(gpu) = &mut self.gpu
         {
             gpu.set_colliders(&self.world, true);
         }
-        let progress = self.world.begin(dt);
         if self.world.act(bodies, threads) || progress.steps > 0 {
             self.world.run(bodies, threads, progress.steps);
         }

@@ -12,6 +12,7 @@ mod disturb;
 mod drive;
 mod follow;
 mod fuse;
+mod grabs;
 mod held;
 mod host;
 pub(crate) mod images;
@@ -185,7 +186,7 @@ impl World {
         }
     }
 
-    /// Decides again what the host left open, as the cloth has lost its last pin or met its first collider.
+    /// Decides again what the host left open, as a cloth has lost its last pin, got its first one or met its first collider.
     pub fn decide(&mut self) {
         if self.control.decide(&self.scene) {
             self.reschedule();
@@ -251,9 +252,11 @@ impl World {
         self.choose();
         self.forget_arrivals();
         let progress = self.control.clock.frame(dt);
-        self.driven.stepped(progress.steps);
-        self.lead(progress.steps);
-        self.move_frames(progress.steps);
+        if progress.steps > 0 {
+            let waited = self.driven.stepped();
+            self.lead(progress.steps);
+            self.move_frames(waited);
+        }
         progress
     }
 
@@ -347,9 +350,26 @@ impl World {
         bodies
     }
 
-    /// The colliders as cloths meet them, a list for each of [`World::coats`].
+    /// The colliders as cloths meet them, a list for each of [`World::coats`], where they are as the last step of the frame ends.
     pub fn solids<T: Real>(&self) -> Vec<Vec<Solid<T>>> {
-        self.coats.solids(&self.scene.colliders)
+        let (mut solids, lag) = (self.coats.solids(&self.scene.colliders), T::of(self.lag()));
+        if lag > T::of(0.0) {
+            solids.iter_mut().flatten().filter(|solid| !solid.still).for_each(|solid| *solid = solid.posed(lag));
+        }
+        solids
+    }
+
+    /// How long \[s\] before colliders that move are where the host has put them the last step ends: steps do not end where frames of the host do.
+    fn lag(&self) -> f64 {
+        let moves = |c: &Collider| [c.velocity, c.spin].as_flattened().iter().any(|x| *x != 0.0);
+        let swept = self.control.options.solver == Solver::Xpbd && self.scene.colliders.iter().any(moves);
+        if swept { self.control.clock.rest() } else { 0.0 }
+    }
+
+    /// Whether colliders are elsewhere than in the last frame, which they are if they have `changed`.
+    pub fn repose(&mut self, changed: bool) -> bool {
+        let lag = self.lag();
+        std::mem::replace(&mut self.driven.lag, lag) != lag || changed
     }
 
     /// Of a cloth's colliders the first, where all lists lie one after the other.

@@ -48,6 +48,8 @@ mod fused;
 #[cfg(feature = "gpu")]
 mod gpu;
 #[cfg(feature = "gpu")]
+mod in_a_game;
+#[cfg(feature = "gpu")]
 mod instances;
 #[cfg(feature = "gpu")]
 mod joints;

@@ -11,8 +11,9 @@ use super::{Levers, Mix, NUMBERS, Numbers, Quality};
 
 /// The numbers fall if fewer are foretold to leave this share of the target, and rises aim at it.
 const AIM: f64 = 0.85;
-/// From a change to a rise \[s\]: the cloth is on its way.
+/// From a change to a rise \[s\]: the cloth is on its way. None above this multiple of the target: what has begun to pull at cloth goes on.
 const SOON: f64 = 0.05;
+const URGENT: f64 = 4.0;
 /// For so long less must have been enough \[s\]; up to the second, where it turned out to be too little.
 const PATIENCE: [f64; 2] = [0.25, 4.0];
 /// A change after which the error is too large within this time \[s\] is undone.
@@ -140,8 +141,8 @@ impl Chooser {
             return now;
         }
         self.take_in(now);
-        let (n, more) = (now.substeps, (now.substeps / 8).max(1));
-        let trial = self.of_substep * f64::from(n + more);
+        let n = now.substeps;
+        let trial = self.of_substep * f64::from(n + (n / 8).max(1));
         let room = quality.budget().and_then(|ms| self.costs.room(trial, ms));
         let steps = |rounds| room.map(|r| ((r / levers.of_substep(rounds)).floor().max(1.0) as u32).min(MAX_SUBSTEPS));
         let (want, rise) = match quality.target() {
@@ -160,7 +161,9 @@ impl Chooser {
         if over && next.substeps == 1 && levers.round.is_some() {
             next.rounds -= next.rounds.div_ceil(4);
         }
-        self.note(rise, now, next);
+        // More steps for fast colliders are no trade that could be undone.
+        let more = next.substeps > now.substeps && next.rounds >= now.rounds;
+        self.note(rise || more, now, next);
         self.of_substep = levers.of_substep(next.rounds);
         next
     }
@@ -222,7 +225,9 @@ impl Chooser {
             Aim { excess: error / (AIM * target), most, rise, hope: HOPE[usize::from(hopes)], trial: way }
         };
         let aim = match (self.error, self.worst) {
-            (Some(error), Some(_)) if error > target && self.waited >= SOON => aim(error, true),
+            (Some(error), Some(_)) if error > target && (self.waited >= SOON || error > URGENT * target) => {
+                aim(error, true)
+            }
             (_, Some(worst)) if self.waited >= self.patience => {
                 self.start_anew();
                 // An error that meets the target is good enough.

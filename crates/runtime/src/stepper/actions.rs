@@ -70,6 +70,7 @@ impl Stepper {
         let chosen: Vec<u32> = chosen.into_iter().map(|[k, _]| k).collect();
         if !chosen.is_empty() {
             self.world.wake(cloth);
+            self.world.wake_beside(cloth);
             self.world.host.actions.push(Action::Transform { cloth, chosen, matrix });
         }
         Ok(())
@@ -106,6 +107,7 @@ impl Stepper {
         let limited = (of.limits.is_some() || of.backstops.is_some()) && !of.follows_joints();
         self.forget_bounds(cloth);
         self.world.wake(cloth);
+        self.world.wake_beside(cloth);
         let run = &mut self.world.runs[cloth];
         run.home = by.after(&run.home);
         self.world.host.actions.push(Action::Transform { cloth, chosen, matrix: by.columns() });

@@ -117,10 +117,11 @@ impl Stepper {
         if let Some((bodies, _)) = &self.cpu {
             self.world.measure_sleepers(bodies);
         }
-        if self.world.drive(dt) {
+        let changed = self.world.drive(dt);
+        let progress = self.world.begin(dt);
+        if self.world.repose(changed) {
             gpu.set_colliders(&self.world, true);
         }
-        let progress = self.world.begin(dt);
         if progress.steps == 0 && !self.world.host.is_pending() {
             return Ok(progress);
         }

@@ -1,6 +1,7 @@
 //! Dragging cloth by a point of it.
 
 use super::Stepper;
+use crate::cloth::Cloth;
 use crate::error::Result;
 use crate::handle::{ClothHandle, ClothRef};
 use crate::pick::Hit;
@@ -28,6 +29,9 @@ impl Stepper {
         };
         let drag = Drag { cloth: self.world.handles[index], held: [0, 1, 2].map(hold) };
         self.refuse_joined(index, hit.particles)?;
+        let of = &self.world.scene.cloths[index];
+        let points = drag.held.map(|(k, pinned, _)| (first_of(of, k), pinned));
+        points.into_iter().for_each(|(point, pinned)| self.world.runs[index].grabs.grab(point, pinned));
         self.pin(drag.cloth, &hit.particles)?;
         self.drag(&drag, point)?;
         Ok(drag)
@@ -40,11 +44,22 @@ impl Stepper {
         self.set_pins(drag.cloth, &drag.held.map(|(k, _, _)| k), &at)
     }
 
-    /// Lets go: particles that were free before are free again, at rest where they are; pinned ones stay.
+    /// Lets go: particles that were free before are free again, at rest where they are; pinned ones stay, and those that another drag holds.
     pub fn release(&mut self, drag: Drag) -> Result<()> {
-        let were =
-            |pinned| drag.held.iter().filter(move |held| held.1 == pinned).map(|held| held.0).collect::<Vec<_>>();
-        self.pin(drag.cloth, &were(true))?;
-        self.unpin(drag.cloth, &were(false))
+        let index = self.world.find(drag.cloth.into())?;
+        let of = &self.world.scene.cloths[index];
+        let points = drag.held.map(|(k, pinned, _)| (k, first_of(of, k), pinned));
+        let (mut kept, mut freed) = (Vec::new(), Vec::new());
+        for (k, point, pinned) in points {
+            let stays = self.world.runs[index].grabs.release(point, pinned);
+            if stays { &mut kept } else { &mut freed }.push(k);
+        }
+        self.pin(drag.cloth, &kept)?;
+        self.unpin(drag.cloth, &freed)
     }
+}
+
+/// The first particle of a point.
+fn first_of(cloth: &Cloth, k: u32) -> u32 {
+    cloth.ring_of(k).and_then(|ring| ring.iter().min().copied()).unwrap_or(k)
 }

@@ -63,7 +63,8 @@ impl Stepper {
     }
 
     /// Pins particles where they are, and their seam duplicates, at the start of the next frame. Tethers stay those of the
-    /// initial pins. A particle that was pinned as cloth that follows joints came is on the skin again. The same cost as [`Stepper::set_pins`], whose upload it shares. Wakes the cloth. Errors if there is no such
+    /// initial pins; cloth that had no pin gets the substeps and rounds of cloth that hangs by its springs ([`Choice`](crate::Choice)). Cloth that comes with its pins
+    /// ([`Cloth::pin`](crate::Cloth::pin)) needs fewer. A particle that was pinned as cloth that follows joints came is on the skin again. The same cost as [`Stepper::set_pins`], whose upload it shares. Wakes the cloth. Errors if there is no such
     /// cloth or particle; then nothing has changed.
     pub fn pin(&mut self, cloth: impl Into<ClothRef>, particles: &[u32]) -> Result<()> {
         self.hold(cloth.into(), particles, true)
@@ -97,6 +98,7 @@ impl Stepper {
     fn hold(&mut self, cloth: ClothRef, particles: &[u32], pinned: bool) -> Result<()> {
         let cloth = self.world.find(cloth)?;
         let all = self.world.scene.cloths[cloth].with_duplicates(particles)?;
+        let was_held = self.world.is_held(cloth);
         self.world.scene.cloths[cloth].hold_all(all.iter().map(|[k, _]| *k), pinned);
         let (of, solver) = (&self.world.scene.cloths[cloth], self.world.control.options.solver);
         let every = if all.len() < MIN_FOR_ALL { Vec::new() } else { inverse_masses(of, solver) };
@@ -107,13 +109,15 @@ impl Stepper {
             Placed { particle: k, at: None, inverse_mass: Some(w) }
         };
         let rows: Vec<_> = all.into_iter().map(weigh).collect();
-        let held = of.particles().iter().any(|p| p.is_pinned());
         self.place(cloth, rows);
         if !pinned {
             self.world.control.follow.stir();
-            if !held {
-                self.world.decide();
-            }
+        }
+        let is_held = self.world.is_held(cloth);
+        if is_held != was_held {
+            // Tethers are made for the pins that a cloth comes with.
+            self.world.scene.cloths[cloth].untethered |= is_held;
+            self.world.decide();
         }
         Ok(())
     }

@@ -4,6 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::arrival::Arrival;
 use super::follow::Joints;
+use super::grabs::Grabs;
 use super::images::Images;
 use super::levels::Finer;
 use super::moving::Moving;
@@ -51,6 +52,8 @@ pub struct ClothRun {
     pub moving: Option<Moving>,
     /// Where the host has put its pins.
     pub pins: PinPlaces,
+    /// Its points that drags hold.
+    pub grabs: Grabs,
     /// The joints that it follows, if it does.
     pub joints: Option<Joints>,
     /// How long it has been calm.

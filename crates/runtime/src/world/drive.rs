@@ -11,6 +11,8 @@ pub struct Drive {
     moves: Vec<Move>,
     /// The host's time \[s\] since the last frame that made a step.
     waited: f64,
+    /// How long \[s\] before the end of the last frame its last step ended, if any collider moved.
+    pub lag: f64,
 }
 
 /// The way of one collider from the last frame that made a step to the next one.
@@ -39,18 +41,16 @@ impl Drive {
 
     /// Drops all, where colliders are replaced.
     pub fn forget(&mut self) {
-        *self = Drive::default();
+        *self = Drive { lag: self.lag, ..Drive::default() };
     }
 
-    /// To be called when a frame has begun, with its number of steps: what has arrived rests from here on.
-    pub fn stepped(&mut self, steps: u32) {
-        if steps == 0 {
-            return;
-        }
-        self.waited = 0.0;
+    /// To be called when a frame that makes a step has begun: what has arrived rests from here on. Returns the host's time \[s\] since the last one.
+    pub fn stepped(&mut self) -> f64 {
+        let waited = std::mem::take(&mut self.waited);
         // One more frame, in which the velocity ends.
         self.moves.retain(|m| m.from != m.to);
         self.moves.iter_mut().for_each(|m| (m.from, m.since) = (m.to, 0.0));
+        waited
     }
 }
 

@@ -38,6 +38,7 @@ pub(super) fn prepare<'a>(
     let mut warnings = Vec::new();
     // It may come from a stepper that has cut it.
     cloth.close();
+    cloth.untethered = false;
     let given = cloth.clone();
     let most = limits::prepare(cloth, options, hold.most, &mut warnings)?;
     let meets = cloth.body().is_some() || colliders.iter().any(|c| c.is_met(cloth.met_groups()));
@@ -99,6 +100,9 @@ impl World {
 
     /// Lets a cloth go; the indices of those behind it fall by one.
     pub fn leave(&mut self, index: usize) -> Left {
+        self.wake_beside(index);
+        self.safe.iter_mut().for_each(|safe| safe.leave(index));
+        self.tangles.leave(index);
         let place = self.leave_place(index);
         self.arenas.iter_mut().flat_map(|list| &mut list.cloths).for_each(|cloth| _ = follow(cloth, index));
         let cloth = self.scene.cloths.remove(index);

@@ -10,8 +10,11 @@ use crate::number::real::cast;
 pub struct Moving {
     /// Where it is, and how it moved in the last frame that made a step.
     pub motion: FrameMotion,
-    /// Where it is at the end of the next one, if the host has moved it.
-    pub next: Option<MovingFrame>,
+    /// Where the host has it after the next one, if it has moved it.
+    next: Option<MovingFrame>,
+    /// Where the host had it after the last one, and how much earlier \[s\] that ended: steps do not end where frames of the host do.
+    host: MovingFrame,
+    behind: f64,
 }
 
 impl World {
@@ -25,21 +28,24 @@ impl World {
 
     /// Puts the frame of a cloth somewhere from the start of the next frame on, with a motion that is taken for its last one.
     pub fn put_frame(&mut self, cloth: usize, motion: FrameMotion) {
-        self.runs[cloth].moving = Some(Moving { motion, next: None });
+        self.runs[cloth].moving = Some(Moving { motion, next: None, host: motion.frame, behind: 0.0 });
         self.wake(cloth);
     }
 
-    /// Begins a frame of a number of steps: frames of reference that the host has not moved rest.
-    pub fn move_frames(&mut self, steps: u32) {
-        if steps == 0 {
-            return;
-        }
-        let clock = &self.control.clock;
-        let (seconds, dt) = (f64::from(steps) * clock.dt, clock.dt_old);
+    /// Begins a frame that makes a step, `waited` \[s\] of the host's time after the last one: frames of reference that the host has not moved rest. They
+    /// go as far as they are when the last step ends, so that one of constant velocity has it in every frame, whatever the number of steps, and where time is dropped.
+    pub fn move_frames(&mut self, waited: f64) {
+        let (rest, dt) = (self.control.clock.rest(), self.control.clock.dt_old);
         for cloth in 0..self.runs.len() {
             let inertia = self.scene.cloths[cloth].inertia;
             let Some(moving) = &mut self.runs[cloth].moving else { continue };
-            let (to, before) = (moving.next.take().unwrap_or(moving.motion.frame), moving.motion);
+            let (to, before) = (moving.next.take().unwrap_or(moving.host), moving.motion);
+            let seconds = waited + std::mem::replace(&mut moving.behind, rest) - rest;
+            moving.host = to;
+            let to = if rest > 0.0 { before.frame.towards(&to, seconds / (seconds + rest)) } else { to };
+            if seconds <= 0.0 {
+                continue;
+            }
             if let Some(impulse) = moving.motion.go(to, seconds, &inertia) {
                 if is_stirring(&before, &moving.motion, &inertia, seconds) {
                     self.control.follow.stir();

@@ -173,6 +173,23 @@ impl World {
         (run.asleep, run.calm.seconds, run.calm.known) = (asleep, seconds, known);
     }
 
+    /// Wakes the other cloths with contact, as one that has contact goes away or elsewhere: they may lie on it.
+    pub fn wake_beside(&mut self, cloth: usize) {
+        if self.scene.cloths[cloth].contact.is_none() {
+            return;
+        }
+        for other in (0..self.runs.len()).filter(|other| *other != cloth) {
+            if self.scene.cloths[other].contact.is_some() {
+                self.wake(other);
+            }
+        }
+    }
+
+    /// Whether any particle of a cloth is pinned.
+    pub fn is_held(&self, cloth: usize) -> bool {
+        self.scene.cloths[cloth].particles().iter().any(|p| p.is_pinned())
+    }
+
     /// Wakes every cloth.
     pub fn wake_all(&mut self) {
         (0..self.runs.len()).for_each(|cloth| self.wake(cloth));

@@ -56,6 +56,11 @@ impl Safe {
         self.truncation.loosen(if all.iter().any(|(_, loose)| loose.any()) { all } else { Vec::new() });
     }
 
+    /// Follows its cloths as another one leaves the scene. One of its own changes the key.
+    pub(super) fn leave(&mut self, gone: usize) {
+        self.truncation.surface.leave(gone);
+    }
+
     /// Searches afresh in the next step.
     pub fn forget(&mut self) {
         self.truncation.forget();

@@ -65,6 +65,16 @@ impl Tangles {
         *self = Tangles { at_rest: std::mem::take(&mut self.at_rest), ..Tangles::default() };
     }
 
+    /// Follows the cloths as one leaves the scene; if it is one of those that were looked at, all are looked at again.
+    pub fn leave(&mut self, gone: usize) {
+        for tangled in [&mut self.some, &mut self.spare].into_iter().flatten() {
+            tangled.of.surface.leave(gone);
+            if gone < tangled.points.len() {
+                tangled.points.remove(gone);
+            }
+        }
+    }
+
     /// Lets time pass, in which crossings were found or not; whether cloth has crossed for so long that this is reported.
     fn pass(&mut self, seconds: f64, found: bool) -> bool {
         let crosses = found || self.some.as_ref().is_some_and(|tangled| tangled.found.hits > 0);

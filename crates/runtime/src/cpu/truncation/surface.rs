@@ -69,6 +69,11 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// Follows the cloths as another one, which is not among them, leaves the scene: indices behind it fall by one.
+    pub fn leave(&mut self, gone: usize) {
+        self.texels.iter_mut().for_each(|texel| texel.cloth -= u32::from(texel.cloth as usize > gone));
+    }
+
     /// That of some cloths. Takes time linear in their particles.
     pub fn new(sources: &[Source]) -> Self {
         let mut surface = Surface { starts: vec![0], ends: vec![Ends::default()], ..Surface::default() };
