@@ -113,12 +113,18 @@ impl<'a> Shown<'a> {
             Some(facets.iter().flat_map(|f| f.corners).map(|p| p[1]).fold(f32::INFINITY, f32::min))
         };
         let feet = times.iter().filter_map(feet).reduce(f32::min).filter(|y| y.is_finite());
+        // Legs or a robe may be cloth, and go lower than what is left as the body; a train that hangs lower in motion does not count.
+        let tall = high[1] - low[1].min(feet.unwrap_or(low[1]));
+        let feet = feet.map(|y| if low[1] < y - ABOVE * tall { lowest.unwrap_or(low[1]).min(y) } else { y });
         let height = scene.colliders.iter().find(floor).map(|c| c.center[1]).or(feet).or(lowest).unwrap_or(low[1]);
         let size = [0, 1, 2].map(|c| high[c] - low[c]).into_iter().chain([high[1] - height]).fold(0.0, f32::max);
         let middle = [0, 2].map(|c| (low[c] + high[c]) / 2.0);
         Some(Ground { height, middle, radius: GROUND_RADIUS * size.max(1e-3) })
     }
 }
+
+/// Share of the height by which cloth at rest is below the body, from which it stands on the ground.
+const ABOVE: f32 = 0.05;
 
 /// Share of the vertices of a mesh from which those that no cloth moves are a body; a component of a part may be all of the cloth.
 const BODY: f64 = 0.1;

@@ -81,7 +81,7 @@ pub(super) fn caps(mesh: &Mesh) -> Vec<Cap> {
 }
 
 /// The area of the opening around triangles, given with their normals: the length of their vector area, which depends on their border alone.
-fn opening(triangles: impl Iterator<Item = (f64, [f64; 3])>) -> f64 {
+pub(super) fn opening(triangles: impl Iterator<Item = (f64, [f64; 3])>) -> f64 {
     let sum = triangles.fold([0.0; 3], |sum, (area, n)| add(sum, scale(n, area)));
     dot(sum, sum).sqrt()
 }

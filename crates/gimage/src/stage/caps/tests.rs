@@ -57,6 +57,23 @@ fn a_lid_around_a_bone_is_left_out_with_its_hem() {
 }
 
 #[test]
+fn the_opening_of_a_lid_is_its_area_and_that_of_a_lining_is_not() {
+    let mesh = sleeve(1.5, true);
+    let of = |range: std::ops::Range<usize>| {
+        let triangle = |t: usize| {
+            let [a, b, c] = mesh.corners(t);
+            let n = crate::base::vec3::cross(crate::base::vec3::sub(b, a), crate::base::vec3::sub(c, a));
+            (mesh.triangle_area(t), crate::base::vec3::normalize(n))
+        };
+        let area: f64 = range.clone().map(|t| mesh.triangle_area(t)).sum();
+        find::opening(range.map(triangle)) / area
+    };
+    assert!((of(576..600) - 1.0).abs() < 1e-9);
+    // Around an arm, without and with a slit.
+    assert!(of(0..480) < 1e-9 && of(0..470) < 0.05);
+}
+
+#[test]
 fn without_a_bone_a_lid_is_cloth_unless_all_are_opened() {
     for mesh in [sleeve(0.9, true), Mesh { skeleton: Skeleton::default(), channels: Vec::new(), ..sleeve(1.5, true) }] {
         let of = opened(&mesh, Caps::Auto);

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::bounded::bounded;
 use super::refine::{best, error, refined};
 use super::samples::Sample;
 use super::shape::{Kind, Shape, guess};
@@ -85,7 +86,10 @@ pub(super) fn fit(samples: &[Sample], limits: &Limits) -> Vec<Placed> {
     let counts = State::new(&placed, samples).counts(samples);
     let mut counts = counts.iter();
     placed.retain(|_| counts.next().is_some_and(|c| *c >= USED));
-    placed.iter_mut().for_each(|p| p.solid.form = clear(&p.solid, samples));
+    for p in &mut placed {
+        p.solid = bounded(p.solid, p.joint, samples);
+        p.solid.form = clear(&p.solid, samples);
+    }
     placed
 }
 

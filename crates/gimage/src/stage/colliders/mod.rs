@@ -6,6 +6,7 @@
 //! They are fitted in the pose in which the mesh is bound to its skeleton, and then put where their joints are in the file.
 
 mod bare;
+mod bounded;
 mod fit;
 mod given;
 mod guess;

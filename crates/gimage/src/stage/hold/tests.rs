@@ -127,6 +127,28 @@ fn a_shirt_is_held_by_collar_and_shoulders_not_where_it_lies_on_the_chest() {
 }
 
 #[test]
+fn a_cuff_that_hides_where_the_arm_ends_goes_less_far_than_would_show_it() {
+    // A hand, of which the file has nothing above 0.8, or all of the arm; and a sleeve down to 0.77.
+    let hand = [(0.001, 0.7), (0.04, 0.72), (0.04, 0.8)];
+    let sleeve = || revolved(&(0..=20).map(|k| (0.05, 1.2 - 0.43 * f64::from(k) / 20.0)).collect::<Vec<_>>());
+    for (body, hems) in [(hand.to_vec(), 1), ([&hand[..], &[(0.04, 1.3)]].concat(), 0)] {
+        let wearer = Wearer::new(&revolved(&body)).unwrap();
+        let (holds, positions) = of_piece(sleeve(), |piece| {
+            let positions = piece.image.grid.positions.clone();
+            (hold(&wearer, &[piece], &[]), positions)
+        });
+        assert_eq!(holds.garments[0].hems, hems);
+        assert_eq!(holds.findings().iter().any(|f| f.kind == "hint-ends"), hems > 0);
+        for (p, limit) in positions.iter().zip(&holds.pieces[0].limits) {
+            if p[1] < 0.772 {
+                assert!(hems == 0 || *limit < 0.013, "{p:?} {limit}");
+            }
+            assert!(!(0.85..1.0).contains(&p[1]) || limit.is_infinite(), "{p:?} {limit}");
+        }
+    }
+}
+
+#[test]
 fn a_cape_is_held_by_its_upper_edge() {
     let (hold, held, positions) = held(sheet(|u, v| [0.3 * u - 0.15, 1.3 - 0.8 * v, -0.17 - 0.2 * v]));
     assert_eq!(hold.rules, [Rule::Edge]);

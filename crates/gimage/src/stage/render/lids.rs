@@ -20,3 +20,31 @@ pub(super) fn to_skin(classes: &Classes, trace: &Trace, bound: &mut [Option<Boun
         bound.binding.blend = bound.binding.blend.min((1.0 - along * along * (3.0 - 2.0 * along)) as f32);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stage::render::bind::UNBOUND;
+
+    #[test]
+    fn a_lid_goes_over_from_the_cloth_to_the_skin() {
+        let positions: Vec<[f64; 3]> = (0..6).map(|k| [f64::from(k), 0.0, 0.0]).collect();
+        let follows = ([0.0; 4], [1.0, 0.0, 0.0, 0.0]);
+        let trace = Trace {
+            is_cloth: vec![true; 6],
+            lids: vec![0.1, 0.1, 0.1, 0.1, 0.0, 0.1],
+            influences: (0..6).map(|k| if k == 5 { Default::default() } else { follows }).collect(),
+            sets: 1,
+            positions,
+            ..Trace::default()
+        };
+        let far = [0.0, 0.014, 0.03, 0.05, 0.05, 0.05];
+        let mut bound: Vec<_> = far.map(|far| Some(Bound { binding: UNBOUND, far, miss: 0.0 })).into();
+        to_skin(&Classes::new(&trace), &trace, &mut bound);
+        let blends: Vec<f32> = bound.iter().flatten().map(|b| b.binding.blend).collect();
+        assert_eq!((blends[0], blends[1], blends[3]), (1.0, 1.0, 0.0));
+        assert!((blends[2] - 0.5).abs() < 1e-6);
+        // Not a lid, and one that follows no joint.
+        assert_eq!(blends[4..], [1.0, 1.0]);
+    }
+}

@@ -4,6 +4,7 @@
 //! the vertex (Kobbelt, Vorsatz, Seidel, "Multiresolution hierarchies on unstructured triangle meshes", 1999, call it normal
 //! displacement), else the nearest one; the rest is an offset in the frame there.
 
+mod apart;
 mod attach;
 mod bind;
 mod classes;
@@ -232,6 +233,7 @@ fn bind(bundle: &Bundle, texels: &Texels, made: &Made<'_>) -> Result<Bindings> {
             is_rigid[class] = true;
         }
     }
+    let left = apart::leave(&classes, trace, &mut bound, pieces.len(), FAR * diagonal);
     lids::to_skin(&classes, &trace, &mut bound);
     let free = || bound.iter().zip(&is_rigid).zip(&classes.positions).filter(|((_, rigid), _)| !**rigid);
     // What is on the skin swings with nothing.
@@ -240,6 +242,16 @@ fn bind(bundle: &Bundle, texels: &Texels, made: &Made<'_>) -> Result<Bindings> {
         free().filter_map(|((b, _), p)| b.as_ref().filter(swings).map(|b| (*p, b.far))).collect();
     let largest = free().filter_map(|((b, _), _)| b.as_ref()).map(|b| b.far).fold(0.0, f64::max);
     let mut findings = Vec::new();
+    if !left.is_empty() {
+        let names: Vec<String> = left.iter().map(|r| riders[*r].component.name.clone()).collect();
+        let message = format!(
+            "{} that are farther than {} % of the diagonal from all cloth stay on their joints.",
+            words::counted(left.len(), "accessory", "accessories"),
+            100.0 * FAR
+        );
+        let examples = names.into_iter().take(crate::record::MAX_EXAMPLES).collect();
+        findings.push(Finding { severity: Severity::Note, ..finding("hint-on-joints", left.len(), examples, message) });
+    }
     if !far.is_empty() {
         let message = format!(
             "{} of the render mesh, of {}, are farther than {} % of the diagonal from the piece that moves them.",

@@ -26,7 +26,7 @@ stage_options! {
     pub struct SelectOptions of "select" {
         /// Build only the parts whose node, mesh or material has one of these names, separated by commas; * stands for any text,
         /// letter case is ignored; NODE/MATERIAL chooses one material of a node; component:K chooses a connected component by the number that `gimage list` shows. Other parts are left out and reported. Without --cloth, a rule leaves
-        /// out bodies and props of skinned files and reports them; all parts of other files are cloth.
+        /// out bodies and props of characters and reports them; all parts of other files are cloth.
         pub cloth: Vec<Pattern> = Vec::new() => "cloth" [""] Range::Any;
         /// Leave out these parts, which are a body; names as for --cloth. Without --cloth, the rule decides about the other parts, which
         /// are cloth if none of them looks like it.

@@ -65,7 +65,7 @@ pub(super) fn left_out(mesh: &Mesh, verdicts: &[Verdict], asked: bool) -> Findin
         format!("{left}; {roles}.")
     } else {
         format!(
-            "{left}, as the file is skinned and they look like a body or props; {roles}. Choose with --cloth, --body or \
+            "{left}, as they look like a body or props; {roles}. Choose with --cloth, --body or \
              --rigid; `gimage list` shows why."
         )
     };

@@ -1,4 +1,4 @@
-//! The role of each part of a skinned file, from its names and from how it follows the joints.
+//! The role of each part of a character, from its names and from how it follows the joints.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ const STIFF: f64 = 0.9;
 /// Share of the skeleton's joints from which a part without a telling name is a body, as are solid pieces of a file without another body.
 const MANY: f64 = 0.5;
 
-/// The role of each part; `None` for a mesh without a skin, and for one with a single part. If nothing looks like cloth, all
+/// The role of each part; `None` for one with a single part, and for a mesh without a skin unless its names tell a character ([`by_names`]). If nothing looks like cloth, all
 /// parts are cloth.
 ///
 /// A part with a telling name has the role of that name. The name of the material comes first if a mesh has several
@@ -28,8 +28,11 @@ const MANY: f64 = 0.5;
 /// In a file with cloth and without a body, rigid parts that follow half of the joints or more, and at least three, are the body: a robot, or armour
 /// around nothing.
 pub(super) fn verdicts(mesh: &Mesh) -> Option<Vec<Verdict>> {
-    if facts::is_single(mesh) || !facts::is_skinned(mesh) {
+    if facts::is_single(mesh) {
         return None;
+    }
+    if !facts::is_skinned(mesh) {
+        return by_names(mesh);
     }
     let joints = mesh.skeleton.joints.len();
     let following = facts::following(mesh);
@@ -56,6 +59,24 @@ pub(super) fn verdicts(mesh: &Mesh) -> Option<Vec<Verdict>> {
         }
     }
     Some(verdicts)
+}
+
+/// The role of each part of a character without a skin, which is one if names tell garments, and parts of a body that no garment covers: the panels of a shirt
+/// may be called body and arms. Parts without a telling name are rigid.
+fn by_names(mesh: &Mesh) -> Option<Vec<Verdict>> {
+    let told: Vec<Option<(Role, String)>> = (mesh.parts.iter())
+        .map(|part| [&part.node, &part.mesh, &part.material].into_iter().find_map(|name| words::role(name)))
+        .collect();
+    let present = || mesh.triangle_part.iter().filter_map(|p| told[*p as usize].as_ref());
+    let is_body = |(role, word): &(Role, String)| *role == Role::Body && !words::is_covered(word);
+    if !present().any(is_body) || !present().any(|(role, _)| *role == Role::Cloth) {
+        return None;
+    }
+    let verdict = |told: Option<(Role, String)>| match told {
+        Some((role, word)) => Verdict::new(role, format!("name has \"{word}\"")),
+        None => Verdict::new(Role::Rigid, "no name tells what it is, beside garments and a body"),
+    };
+    Some(told.into_iter().map(verdict).collect())
 }
 
 /// For each part of a skinned mesh whether no name tells its role and it lies beside garments in one mesh.

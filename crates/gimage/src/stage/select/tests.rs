@@ -170,6 +170,26 @@ fn files_without_a_skin_stay_as_they_are() {
 }
 
 #[test]
+fn names_tell_a_character_without_a_skin() {
+    let doll = mesh(&[
+        ("head", "", None),
+        ("skirt_front", "", None),
+        ("arm_left", "", None),
+        ("", "fabric-red", None),
+        ("golden", "", None),
+    ]);
+    let roles_of =
+        |mesh: &Mesh| -> Vec<Role> { roles(mesh, &SelectOptions::default()).unwrap().iter().map(|v| v.role).collect() };
+    assert_eq!(roles_of(&doll), [Role::Body, Role::Cloth, Role::Body, Role::Cloth, Role::Rigid]);
+    assert_eq!(select(doll, &SelectOptions::default()).unwrap().findings[0].kind, "left-out");
+    // The panels of a garment are all cloth, and so is a head without a garment.
+    for parts in [["shirt_body", "arm_left", "collar"], ["head", "arm_left", "thing"]] {
+        let whole = mesh(&parts.map(|name| (name, "", None)));
+        assert_eq!(roles_of(&whole), [Role::Cloth; 3], "{parts:?}");
+    }
+}
+
+#[test]
 fn a_skinned_file_without_cloth_is_built_whole_with_a_warning() {
     let all = mesh(&[("Head", "", TWO), ("Staff", "", ONE)]);
     let selected = select(all.clone(), &SelectOptions::default()).unwrap();

@@ -10,9 +10,9 @@ const CLOTH: &str = "apron blazer blouse bodice bodysuit bottoms cape capelet ca
 /// Words for cloth that tell the kind of a material, and not which garment it is.
 const FABRICS: &str = "cloth clothes clothing fabric";
 
-const BODY: &str = "arm arms beard body brow brows cornea ear ears eye eyeball eyebrow eyebrows eyelash eyelashes eyes \
-    face feet finger fingers foot gum gums hair hand hands head iris jaw leg legs lips moustache mouth nail nails neck \
-    nose pupil sclera skin skull tail teeth toe toes tongue tooth torso";
+const BODY: &str = "antler antlers arm arms beak beard body brow brows claw claws cornea ear ears eye eyeball eyebrow eyebrows eyelash eyelashes eyes \
+    face feet finger fingers foot fur gum gums hair hand hands head hoof hooves iris jaw leg legs lips mane moustache mouth muzzle nail nails neck \
+    nose paw paws pupil sclera skin skull tail teeth toe toes tongue tooth torso";
 
 const RIGID: &str = "amulet armor armour arrow axe backpack badge bag bandolier belt blade bomb book boot boots bow bracer \
     bracers brooch buckle button buttons cap clip crossbow crown cuirass dagger earring earrings flask footwear gauntlet \
@@ -29,6 +29,9 @@ const ENDS: [&str; 3] = ["head heads headfront headend", "hand hands wrist wrist
 /// Parts of a body that garments cover, so that a garment's part has such a name too. A head below a hood is a head.
 const COVERED: &str = "arm arms body leg legs neck torso";
 
+/// Words for cloth that also tell a place: the top of a skull is a skull.
+const PLACES: &str = "bottoms top tops";
+
 /// Shoes and gloves, of cloth or not.
 const WORN: &str = "boot boots footwear glove gloves sandal sandals shoe shoes sneakers";
 
@@ -40,12 +43,14 @@ const RIGID_ENDINGS: &str = "armor armour book boots gloves shoes sword";
 
 /// The role that the last word of a name with a known meaning tells, and that word. Words end at digits, marks and
 /// capital letters: `Wolf3D_OutfitTop` is wolf, d, outfit, top. The last one counts, as in `Body_Armor`, but a word for cloth
-/// before one for a body that it covers, as in `Shirt_Body`: the garment's part there. A shoe of cloth, as `Shoes_01_CLOTH`, is a shoe.
+/// before one for a body that it covers, as in `Shirt_Body`: the garment's part there. The top of a skull is a skull. A shoe of cloth, as `Shoes_01_CLOTH`, is a shoe.
 pub(super) fn role(name: &str) -> Option<(Role, String)> {
     let mut told = words(name).into_iter().rev().filter_map(|word| meaning(&word).map(|role| (role, word)));
     let last = told.next()?;
     let before = if is_of(COVERED, &last.1) {
         told.find(|(role, _)| *role == Role::Cloth)
+    } else if is_of(PLACES, &last.1) {
+        told.next().filter(|(role, word)| *role == Role::Body && !is_of(COVERED, word))
     } else if is_of(FABRICS, &last.1) {
         told.find(|(_, word)| is_of(WORN, word))
     } else {
@@ -142,6 +147,10 @@ mod tests {
             ("N00_000_00_Body_00_SKIN (Instance)", Some(Role::Body)),
             ("Chair", None),
             ("Shirt_Body", Some(Role::Cloth)),
+            ("skull top", Some(Role::Body)),
+            ("Hair_Tops", Some(Role::Body)),
+            ("Body_Top", Some(Role::Cloth)),
+            ("Hooves", Some(Role::Body)),
             ("Shirt_Button", Some(Role::Rigid)),
             ("", None),
         ] {

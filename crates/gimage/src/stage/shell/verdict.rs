@@ -116,9 +116,15 @@ impl Evidence<'_> {
             return partly(LEAST_FACING);
         }
         let mut found = self.found(triangles, components.clone());
-        let fewest = found.kept.len().min(found.facing.len());
-        if found.thickness[0] > NARROW * self.width(&found.kept) || (fewest as f64) < FEW * triangles.len() as f64 {
+        if found.thickness[0] > NARROW * self.width(&found.kept) {
             return Verdict::Plain;
+        }
+        let fewest = found.kept.len().min(found.facing.len());
+        if (fewest as f64) < FEW * triangles.len() as f64 {
+            if 2 * triangles.iter().filter(|t| faced(t)).count() < triangles.len() {
+                return Verdict::Plain;
+            }
+            return doubt("its two sheets hang together, so that one cannot be told from the other".into());
         }
         found.share = self.area(triangles.iter().filter(|t| faced(t))) / self.area(triangles.iter());
         if let Some(reason) = self.objection(&found, triangles) {
