@@ -1,4 +1,4 @@
-//! What games do: frames of any length, pins that come late, cloths that go away, two hands at one point.
+//! Calls that games make: frames of any length, pins that come late, cloths that go away, two hands at one point.
 
 use crate::support::rig::{FRAME, Rig};
 use crate::support::{curtain, scene};

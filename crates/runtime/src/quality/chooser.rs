@@ -161,7 +161,7 @@ impl Chooser {
         if over && next.substeps == 1 && levers.round.is_some() {
             next.rounds -= next.rounds.div_ceil(4);
         }
-        // More steps for fast colliders are no trade that could be undone.
+        // More steps for fast colliders are not a trade that could be undone.
         let more = next.substeps > now.substeps && next.rounds >= now.rounds;
         self.note(rise || more, now, next);
         self.of_substep = levers.of_substep(next.rounds);
