@@ -234,7 +234,7 @@ fn bind(bundle: &Bundle, texels: &Texels, made: &Made<'_>) -> Result<Bindings> {
         }
     }
     let left = apart::leave(&classes, trace, &mut bound, pieces.len(), FAR * diagonal);
-    lids::to_skin(&classes, &trace, &mut bound);
+    lids::to_skin(&classes, trace, &mut bound);
     let free = || bound.iter().zip(&is_rigid).zip(&classes.positions).filter(|((_, rigid), _)| !**rigid);
     // Vertices on the skin do not swing.
     let swings = |b: &&bind::Bound| b.binding.blend > 0.0 && b.far > FAR * diagonal;
