@@ -11,7 +11,7 @@ const CLOTH: &str = "apron blazer blouse bodice bodysuit bottoms cape capelet ca
 const FABRICS: &str = "cloth clothes clothing fabric";
 
 const BODY: &str = "antler antlers arm arms beak beard body brow brows claw claws cornea ear ears eye eyeball eyebrow eyebrows eyelash eyelashes eyes \
-    face feet finger fingers foot fur gum gums hair hand hands head hoof hooves iris jaw leg legs lips mane moustache mouth muzzle nail nails neck \
+    face feet finger fingers foot gum gums hair hand hands head hoof hooves iris jaw leg legs lips mane moustache mouth muzzle nail nails neck \
     nose paw paws pupil sclera skin skull tail teeth toe toes tongue tooth torso";
 
 const RIGID: &str = "amulet armor armour arrow axe backpack badge bag bandolier belt blade bomb book boot boots bow bracer \
