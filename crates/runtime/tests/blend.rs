@@ -2,7 +2,7 @@
 
 use crate::support::source_mesh;
 use gimage_bundle::manifest::{Joint, RenderEntry, Skeleton};
-use gimage_bundle::{Bundle, COORD, Image, JOINTS, MapKind, OFFSET, RENDER_FILE, WEIGHTS};
+use gimage_bundle::{BLEND, Bundle, COORD, Image, JOINTS, MapKind, OFFSET, RENDER_FILE, WEIGHTS};
 use gimage_runtime::*;
 
 const STILL: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
@@ -22,6 +22,11 @@ fn place(k: usize) -> [f32; 3] {
 /// A flag of 9 x 7 texels in the x-y plane, pinned along its upper edge, on two joints. Its mesh is on the skin in the first two rows and
 /// on the cloth from the fifth on. `sets` of four joints per vertex, none for a mesh without joints.
 fn flag(sets: usize, blend: bool) -> Bundle {
+    flag_with(sets, blend, None)
+}
+
+/// The same; all vertices have a share of the blend of their own, if there is one.
+fn flag_with(sets: usize, blend: bool, own: Option<f32>) -> Bundle {
     let mut bundle = Bundle::new("test");
     let piece = bundle.add_piece("cloth", 9, 7).unwrap();
     let image = |channels: u32, f: &dyn Fn(u32, u32) -> Vec<f32>| {
@@ -67,6 +72,9 @@ fn flag(sets: usize, blend: bool) -> Bundle {
         };
         attributes.push((joints, 4, column(&|_| vec![0.0, 1.0, 0.0, 0.0])));
         attributes.push((weights_of, 4, column(&weights)));
+    }
+    if let Some(own) = own {
+        attributes.push((BLEND, 1, column(&|_| vec![own])));
     }
     bundle.render = Some(source_mesh::file(&attributes));
     bundle.manifest.render = Some(RenderEntry {
@@ -119,6 +127,33 @@ fn skin(k: usize, [a, b]: [[f32; 16]; 2]) -> [f32; 3] {
     let p = [0.4 * u, -0.3 * v, -0.02, 1.0];
     let at = |m: [f32; 16], r: usize| (0..4).map(|c| m[4 * c + r] * p[c]).sum::<f32>();
     std::array::from_fn(|r| (1.0 - w) * at(a, r) + w * at(b, r))
+}
+
+#[test]
+fn vertices_have_shares_of_their_own() {
+    for (map, own) in [(false, 0.0), (false, 0.25), (true, 0.5)] {
+        let bundle = flag_with(1, map, Some(own));
+        let mesh = RenderMesh::from_bundle(&bundle).unwrap().unwrap();
+        assert_eq!(mesh.blended(), COUNT);
+        let mut stepper = Stepper::on_cpu(scene(&bundle, true), options()).unwrap();
+        stepper.set_joints(0, &matrices(5)).unwrap();
+        stepper.advance(1.0 / 60.0).unwrap();
+        let (mut out, mut cloth) = (Vec::new(), Vec::new());
+        stepper.wrap(0, &mesh, 1.0, &mut out).unwrap();
+        mesh.deform(stepper.positions(0).unwrap(), stepper.normals(0).unwrap(), &mut cloth).unwrap();
+        let mut seen = 0;
+        for (k, (vertex, cloth)) in out.iter().zip(&cloth).enumerate() {
+            // The map is 1 from the fifth row on.
+            if map && 6.0 * place(k)[1] < 4.01 {
+                continue;
+            }
+            let at = skin(k, matrices(5));
+            let mixed: [f32; 3] = std::array::from_fn(|c| at[c] + own * (cloth.position[c] - at[c]));
+            assert!(gap(&vertex.position, mixed) < 1e-6, "{k}: {vertex:?}, not {mixed:?}");
+            seen += usize::from(gap(&cloth.position, at) > 1e-4);
+        }
+        assert!(seen > 50, "{seen}");
+    }
 }
 
 #[test]

@@ -122,6 +122,30 @@ fn damage_is_an_error() {
 }
 
 #[test]
+fn shares_of_the_blend_are_from_0_to_1() {
+    let share = |x: f32| {
+        let bytes = triangle([[0.0, 0.0, 0.0]; 3]);
+        let text = String::from_utf8_lossy(&bytes[20..]).into_owned();
+        let json = text.split("BIN").next().unwrap();
+        let json = json[..json.rfind('}').unwrap() + 1].replace(r#""POSITION":0"#, r#""POSITION":0,"_GIMAGE_BLEND":3"#);
+        let last = r#"{"bufferView":0,"byteOffset":108,"componentType":5126,"count":3,"type":"SCALAR"}],"meshes""#;
+        let json = json.replace(r#"],"meshes""#, &format!(",{last}"));
+        let json = json.replace(r#""byteLength":108"#, r#""byteLength":120"#);
+        let positions = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let floats = positions.into_iter().chain([[0.0; 3]; 6]).flatten().chain([1.0, x, 0.0]);
+        flag(container(&json, &floats.flat_map(f32::to_le_bytes).collect::<Vec<u8>>()), 3)
+    };
+    let file = share(0.25);
+    assert_eq!(validate(&file), []);
+    let file = RenderFile::parse(file.render.as_ref().unwrap()).unwrap();
+    assert_eq!(file.primitives().unwrap()[0].blends, [1.0, 0.25, 0.0]);
+    for wrong in [-0.1, 1.5, f32::NAN] {
+        let faults = validate(&share(wrong));
+        assert!(faults.iter().any(|f| f.to_string().contains("_GIMAGE_BLEND")), "{wrong}: {faults:?}");
+    }
+}
+
+#[test]
 fn a_host_in_memory_may_leave_the_mesh_out() {
     let mut files = flag(triangle([[0.0, 0.0, 0.0]; 3]), 3).encode().unwrap();
     let whole = Bundle::from_files(&files).unwrap();

@@ -8,7 +8,8 @@ pub fn file(attributes: &[(&str, usize, Vec<f32>)]) -> Vec<u8> {
         let (start, count) = (bin.len(), values.len() / width);
         bin.extend(values.iter().flat_map(|x| x.to_le_bytes()));
         views.push(format!(r#"{{"buffer":0,"byteOffset":{start},"byteLength":{}}}"#, bin.len() - start));
-        accessors.push(format!(r#"{{"bufferView":{k},"componentType":5126,"count":{count},"type":"VEC{width}"}}"#));
+        let kind = if *width == 1 { "SCALAR".to_owned() } else { format!("VEC{width}") };
+        accessors.push(format!(r#"{{"bufferView":{k},"componentType":5126,"count":{count},"type":"{kind}"}}"#));
         names.push(format!(r#""{name}":{k}"#));
     }
     let (views, accessors, names) = (views.join(","), accessors.join(","), names.join(","));
