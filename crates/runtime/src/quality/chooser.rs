@@ -11,7 +11,7 @@ use super::{Levers, Mix, NUMBERS, Numbers, Quality};
 
 /// The numbers fall if fewer are foretold to leave this share of the target, and rises aim at it.
 const AIM: f64 = 0.85;
-/// From a change to a rise \[s\]: the cloth is on its way. None above this multiple of the target: what has begun to pull at cloth goes on.
+/// Time from a change to a rise \[s\], in which the cloth follows the change. An error above this multiple of the target does not wait: a hit goes on.
 const SOON: f64 = 0.05;
 const URGENT: f64 = 4.0;
 /// For so long less must have been enough \[s\]; up to the second, where it turned out to be too little.

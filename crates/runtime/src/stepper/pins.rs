@@ -64,7 +64,7 @@ impl Stepper {
 
     /// Pins particles where they are, and their seam duplicates, at the start of the next frame. Tethers stay those of the
     /// initial pins; cloth that had no pin gets the substeps and rounds of cloth that hangs by its springs ([`Choice`](crate::Choice)). Cloth that comes with its pins
-    /// ([`Cloth::pin`](crate::Cloth::pin)) needs fewer. A particle that was pinned as cloth that follows joints came is on the skin again. The same cost as [`Stepper::set_pins`], whose upload it shares. Wakes the cloth. Errors if there is no such
+    /// ([`Cloth::pin`](crate::Cloth::pin)) needs fewer. A particle of cloth that follows joints is on the skin again if it was pinned at the start. The same cost as [`Stepper::set_pins`], whose upload it shares. Wakes the cloth. Errors if there is no such
     /// cloth or particle; then nothing has changed.
     pub fn pin(&mut self, cloth: impl Into<ClothRef>, particles: &[u32]) -> Result<()> {
         self.hold(cloth.into(), particles, true)

@@ -1,5 +1,5 @@
-//! Caps that are left out of the cloth are drawn: what is deep inside of an opening stays on the limb that comes out there, and the rim goes with the
-//! cloth. At an offset from the rim alone it would swing as that turns.
+//! The drawn mesh keeps the caps that are left out of the cloth. The rim of a cap moves with the cloth; its middle, deep inside of the opening, stays on the
+//! limb. Bound to the rim alone, the middle would swing as the rim turns.
 
 use super::bind::Bound;
 use super::classes::Classes;
