@@ -317,8 +317,7 @@ impl World {
     /// A frame of `steps` steps of a cloth.
     pub fn frame(&self, cloth: usize, steps: u32) -> Frame<'_> {
         let options = &self.control.options;
-        let moves = |c: &Collider| [c.velocity, c.spin].as_flattened().iter().any(|x| *x != 0.0);
-        let swept = options.solver == Solver::Xpbd && (self.scene.colliders.iter().any(moves) || self.leads());
+        let swept = self.sweeps() || options.solver == Solver::Xpbd && self.leads();
         Frame {
             schedule: &self.runs[cloth].schedule,
             steps,
@@ -359,14 +358,18 @@ impl World {
         solids
     }
 
-    /// How long \[s\] before colliders that move are where the host has put them the last step ends: steps do not end where frames of the host do.
-    fn lag(&self) -> f64 {
+    /// Whether contact is swept with colliders that move.
+    fn sweeps(&self) -> bool {
         let moves = |c: &Collider| [c.velocity, c.spin].as_flattened().iter().any(|x| *x != 0.0);
-        let swept = self.control.options.solver == Solver::Xpbd && self.scene.colliders.iter().any(moves);
-        if swept { self.control.clock.rest() } else { 0.0 }
+        self.control.options.solver == Solver::Xpbd && self.scene.colliders.iter().any(moves)
     }
 
-    /// Whether colliders are elsewhere than in the last frame, which they are if they have `changed`.
+    /// The time \[s\] from the end of the last step to the end of the frame, by which colliders that move are taken back; 0 if none moves.
+    fn lag(&self) -> f64 {
+        if self.sweeps() { self.control.clock.rest() } else { 0.0 }
+    }
+
+    /// To be called before colliders are uploaded: whether they are elsewhere than at the last upload, as they are if they have `changed`.
     pub fn repose(&mut self, changed: bool) -> bool {
         let lag = self.lag();
         std::mem::replace(&mut self.driven.lag, lag) != lag || changed

@@ -1,6 +1,6 @@
 //! Calls that games make: frames of any length, pins that come late, cloths that go away, two hands at one point.
 
-use crate::support::rig::{FRAME, Rig};
+use crate::support::rig::{FRAME, Rig, largest};
 use crate::support::{curtain, scene};
 use gimage_runtime::scene::Pose;
 use gimage_runtime::*;
@@ -52,6 +52,27 @@ fn cloth_on_a_lift_stays_there_at_every_rate() {
             assert!(highest < 0.0035, "{} at {rate} Hz: {highest}", rig.name());
         }
     }
+}
+
+#[test]
+fn a_collider_that_begins_to_move_between_steps_is_where_it_should_be() {
+    let ball = |x: f32| Collider::new(Shape::Sphere { radius: 0.15 }, [x, -0.3, 0.0]);
+    let mut scene = scene(curtain(9));
+    scene.colliders.push(ball(9.0));
+    let options = Options { substeps: Some(8), ..Options::default() };
+    let ends = Rig::both(&scene, &options).into_iter().map(|mut rig| {
+        // Half a step is left over, and then none.
+        rig.frame(FRAME * (1.0 + 0.5 / 8.0));
+        let moving = Collider { velocity: [0.0, 0.0, 6.0], ..ball(0.5) };
+        rig.stepper.set_colliders(vec![moving]).unwrap();
+        rig.frame(FRAME * (1.0 - 0.5 / 8.0));
+        rig.positions(0)
+    });
+    let ends: Vec<_> = ends.collect();
+    for other in &ends[1..] {
+        assert!(largest(&ends[0], other) < 5e-4, "{}", largest(&ends[0], other));
+    }
+    assert!(ends[0].iter().any(|p| p[2].abs() > 0.02), "the ball pushes");
 }
 
 #[test]

@@ -90,6 +90,7 @@ impl Stepper {
     }
 
     fn upload_colliders(&mut self, alike: bool) {
+        self.world.repose(true);
         if let Some(gpu) = &mut self.gpu {
             gpu.set_colliders(&self.world, alike);
         }

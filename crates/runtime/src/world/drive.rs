@@ -11,7 +11,7 @@ pub struct Drive {
     moves: Vec<Move>,
     /// The host's time \[s\] since the last frame that made a step.
     waited: f64,
-    /// How long \[s\] before the end of the last frame its last step ended, if any collider moved.
+    /// By how much time \[s\] colliders that move were taken back in the last frame ([`World::solids`]).
     pub lag: f64,
 }
 
@@ -41,10 +41,10 @@ impl Drive {
 
     /// Drops all, where colliders are replaced.
     pub fn forget(&mut self) {
-        *self = Drive { lag: self.lag, ..Drive::default() };
+        *self = Drive::default();
     }
 
-    /// To be called when a frame that makes a step has begun: what has arrived rests from here on. Returns the host's time \[s\] since the last one.
+    /// To be called at the beginning of each frame that makes a step: colliders that have arrived rest from here on. Returns the host's time \[s\] since the last such frame.
     pub fn stepped(&mut self) -> f64 {
         let waited = std::mem::take(&mut self.waited);
         // One more frame, in which the velocity ends.

@@ -42,10 +42,10 @@ impl World {
             let (to, before) = (moving.next.take().unwrap_or(moving.host), moving.motion);
             let seconds = waited + std::mem::replace(&mut moving.behind, rest) - rest;
             moving.host = to;
-            let to = if rest > 0.0 { before.frame.towards(&to, seconds / (seconds + rest)) } else { to };
             if seconds <= 0.0 {
                 continue;
             }
+            let to = if rest > 0.0 { before.frame.towards(&to, seconds / (seconds + rest)) } else { to };
             if let Some(impulse) = moving.motion.go(to, seconds, &inertia) {
                 if is_stirring(&before, &moving.motion, &inertia, seconds) {
                     self.control.follow.stir();
