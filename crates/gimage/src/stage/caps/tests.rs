@@ -1,5 +1,6 @@
 use super::*;
 use crate::base::mesh::{Channel, Joint, Part, Semantic, Skeleton};
+use crate::base::vec3::distance;
 
 /// A tube along y from 0 to 1 m, of 24 vertices around, whose upper end is turned in and closed by a lid, in which a bone from the middle goes up to `top`.
 fn sleeve(top: f64, is_bent: bool) -> Mesh {
@@ -71,6 +72,24 @@ fn the_opening_of_a_lid_is_its_area_and_that_of_a_lining_is_not() {
     assert!((of(576..600) - 1.0).abs() < 1e-9);
     // Around an arm, without and with a slit.
     assert!(of(0..480) < 1e-9 && of(0..470) < 0.05);
+}
+
+#[test]
+fn a_lining_behind_a_long_border_is_not_a_cap() {
+    // The end of the sleeve goes up and down, and is turned in by 0.3 m.
+    let mut mesh = sleeve(1.5, true);
+    let ring = |j: usize| 24 * j..24 * (j + 1);
+    for v in ring(10).chain(ring(11)) {
+        mesh.positions[v][1] += 0.04 * ((v % 24) as f64 / 24.0 * 6.0 * std::f64::consts::TAU).sin();
+    }
+    for v in ring(12).chain([24 * 13]) {
+        mesh.positions[v][1] = 0.7;
+    }
+    let around: f64 = ring(10).map(|v| distance(mesh.positions[v], mesh.positions[240 + (v + 1) % 24])).sum();
+    let area: f64 = (480..mesh.triangles.len()).map(|t| mesh.triangle_area(t)).sum();
+    // A flat disk with such a border has more than half of the area.
+    assert!(around * around / (4.0 * std::f64::consts::PI) > 0.5 * area);
+    assert_eq!(opened(&mesh, Caps::Open).caps, []);
 }
 
 #[test]
