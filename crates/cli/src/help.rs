@@ -116,7 +116,7 @@ pub const SIMULATE: &str = concat!(
     "timestamps, --json times the passes of every 16th frame (gpu_passes); that frame does not count among ms_frame. --dump writes ",
     "frame_NNNNN.<piece>.position.exr, where frame 0 is the start; it refuses a directory with frames of an older run unless ",
     "--force is given, which removes them. Settings beyond the limits of the solver are adjusted, with a warning.",
-    exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")
+    exit_codes!("done, but cloth stretched, tunnelled, was thrown, left its body, fell, or overflowed")
 );
 
 /// Of `gimage render`.
@@ -132,7 +132,7 @@ pub const RENDER: &str = concat!(
     "software one. 4 samples per pixel. Without a camera, every picture shows all that is drawn. A still picture of a ",
     "bundle without pins, which would fall out of sight, shows its rest pose (default --time 0). The mesh of the source has its base ",
     "colour textures (PNG, JPEG) and alpha; a ground with its shadow, and all else then, is drawn on the CPU.",
-    exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")
+    exit_codes!("done, but cloth stretched, tunnelled, was thrown, left its body, fell, or overflowed")
 );
 
 /// Of `gimage export`.
@@ -150,7 +150,7 @@ pub const EXPORT: &str = concat!(
     "points, normals and extent, with the time codes 1, 2, 3, ... .obj: a file per frame, numbered likewise. With --fps, a frame ",
     "between two steps has interpolated positions, and the normals of the later step. Files take their places at the end, ",
     "together: a run that fails writes nothing.",
-    exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")
+    exit_codes!("done, but cloth stretched, tunnelled, was thrown, left its body, fell, or overflowed")
 );
 
 /// Of `gimage dress`.

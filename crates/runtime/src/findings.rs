@@ -3,9 +3,10 @@
 //! Figures are taken 0.2 s after a cloth's start and then twice per second: at most 20 ns per particle each time, 0.7 ns per frame.
 //! Tunnelling shows only from frame to frame. It is looked for in frames in which a particle or a collider moves by half of
 //! the thinnest collider's radius; finding out costs 1 ns per particle per frame in scenes with colliders, and the search ([`passing`]) some
-//! more.
+//! more. Cloth inside colliders is looked for in its first frame and where cloth or colliders were put elsewhere ([`thrown`]).
 
 pub mod passing;
+pub mod thrown;
 mod words;
 
 use self::passing::Passing;
@@ -70,6 +71,16 @@ pub enum Fate {
         /// Largest depth \[m\].
         depth: f64,
     },
+    /// The cloth was inside colliders as a frame began: where it starts, where it was put, or where colliders were put on it. Contact puts it outside
+    /// within a step, which gives it the speed of that way. [`crate::Scene::clear_start`] clears a start.
+    Thrown {
+        /// The collider by index that a particle is deepest in.
+        collider: usize,
+        /// Its depth \[m\].
+        depth: f64,
+        /// Mean speed that the cloth gets \[m/s\]: more than 1.
+        speed: f64,
+    },
 }
 
 /// A particle by its place in a piece.
@@ -88,7 +99,7 @@ pub struct Finding {
     pub cloth: usize,
     /// The cloth by name.
     pub name: String,
-    /// Where the longest spring begins ([`Fate::Stretched`]), or a particle that went through ([`Fate::Tunnelled`]); at the time of the worst figures.
+    /// Where the longest spring begins ([`Fate::Stretched`]), a particle that went through ([`Fate::Tunnelled`]), or the deepest one ([`Fate::Thrown`]); at the time of the worst figures.
     pub place: Option<PieceTexel>,
     /// When it was first found \[s\], in the time of the scene.
     pub time: f64,
@@ -124,6 +135,8 @@ struct Record {
     /// Largest 99th percentile.
     worst: f64,
     touched: Vec<bool>,
+    /// Whether it, or colliders, may have been put elsewhere since its last frame.
+    is_put: bool,
 }
 
 /// Watches the cloths of a scene.
@@ -154,12 +167,32 @@ pub struct Sight<'a, T: Real> {
 
 impl Watchdog {
     pub fn new(cloths: usize) -> Self {
-        Watchdog { due: FIRST_S, records: vec![Record::default(); cloths], findings: Vec::new() }
+        Watchdog {
+            due: FIRST_S,
+            records: vec![Record { is_put: true, ..Record::default() }; cloths],
+            findings: Vec::new(),
+        }
     }
 
     /// Watches a further cloth, which comes at `time` \[s\].
     pub fn join(&mut self, time: f64) {
-        self.records.push(Record { start: time, ..Record::default() });
+        self.records.push(Record { start: time, is_put: true, ..Record::default() });
+    }
+
+    /// To be called when cloth or colliders have been put elsewhere, without a way.
+    pub fn put(&mut self) {
+        self.records.iter_mut().for_each(|record| record.is_put = true);
+    }
+
+    /// Whether a cloth may begin its next frame inside colliders; not asked again until something is put.
+    pub fn take_put(&mut self, cloth: usize) -> bool {
+        self.records.get_mut(cloth).is_some_and(|record| std::mem::take(&mut record.is_put))
+    }
+
+    /// Whether a cloth comes at `time` \[s\].
+    #[cfg(feature = "gpu")]
+    pub fn comes(&self, cloth: usize, time: f64) -> bool {
+        self.records.get(cloth).is_some_and(|record| record.start == time)
     }
 
     /// Forgets a cloth and its findings.
@@ -233,6 +266,13 @@ impl Watchdog {
         }
     }
 
+    /// Takes in that a cloth was inside colliders.
+    pub fn throw<T: Real>(&mut self, sight: &Sight<T>, thrown: Option<(Fate, usize)>) {
+        if let Some((fate, particle)) = thrown {
+            self.find_at(sight, fate, Some(particle));
+        }
+    }
+
     /// Takes in a failure of a cloth.
     pub fn find<T: Real>(&mut self, sight: &Sight<T>, fate: Fate) {
         self.find_at(sight, fate, None);
@@ -288,6 +328,7 @@ fn worse(a: &Fate, b: &Fate) -> bool {
         (Fate::Tangled { pairs: a }, Fate::Tangled { pairs: b }) => a > b,
         (Fate::Slowed { particles: a }, Fate::Slowed { particles: b }) => a > b,
         (Fate::Squeezed { depth: a }, Fate::Squeezed { depth: b }) => a > b,
+        (Fate::Thrown { speed: a, .. }, Fate::Thrown { speed: b, .. }) => a > b,
         _ => false,
     }
 }

@@ -254,6 +254,7 @@ impl Gpu {
         last.clear();
         alone.extend((0..self.cloths.len()).filter(|c| world.is_apart(*c)));
         self.join_contact(world, encoder);
+        world.look_at_starts(steps);
         // Those that meet others come last.
         alone.sort_by_key(|c| self.is_joint(*c));
         for faults in alone.iter().filter_map(|c| self.cloths[*c].faults.as_ref()) {

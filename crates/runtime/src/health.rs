@@ -151,7 +151,8 @@ pub(crate) fn between<T: Real>(points: &[V3<T>], solids: &[Solid<T>], reach: f64
     (0..all.len()).find_map(|a| (a + 1..all.len()).find(|b| oppose(a, *b)).map(|b| [a, b]))
 }
 
-fn may_touch<T: Real>(solid: &Solid<T>, p: V3<T>) -> bool {
+/// Whether a point is within the ball around a solid.
+pub(crate) fn may_touch<T: Real>(solid: &Solid<T>, p: V3<T>) -> bool {
     let d = sub(p, solid.center);
     solid.around().is_none_or(|r| dot(d, d) <= r * r)
 }

@@ -87,7 +87,7 @@ pub struct Options {
     pub normals: bool,
     /// Largest number of `step` times that one frame catches up; further time is dropped. Default 4; 1 to 1024.
     pub max_catch_up: u32,
-    /// Number of threads of the CPU backend: 0 means one per core, 1 only the caller's. Default 0. Results do not depend on it. They
+    /// Number of threads of the CPU backend: 0 means one per core, 1 only the caller's. Default 0; at most 1024. Results do not depend on it. They
     /// share the rows of large cloths, of springs under [`Solver::Xpbd`] from some 300 x 300 particles on.
     pub threads: usize,
     /// Whether, on the GPU, cloths run their whole frame in one dispatch where they can: with [`Solver::Xpbd`], a size that
@@ -161,6 +161,7 @@ impl Options {
         check("the thickness [m]", self.thickness.into(), "0 to 1", |t| (0.0..=1.0).contains(&t))?;
         let catch_up = |n: f64| (1.0..=1024.0).contains(&n);
         check("the largest number of steps caught up", self.max_catch_up.into(), "1 to 1024", catch_up)?;
+        check("the number of threads", self.threads as f64, "0 to 1024", |n| n <= 1024.0)?;
         self.quality.check()?;
         if let Some(Sleep { speed, after }) = self.sleep {
             check("the speed of sleep [m/s]", speed, "above 0", |s| s > 0.0)?;

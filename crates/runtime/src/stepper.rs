@@ -186,7 +186,8 @@ impl Stepper {
 
     /// Failures so far, one finding of each kind per cloth: cloth out of shape, off its body, falling, or through a
     /// collider. The CPU backend looks by itself; on the GPU backend the host reads positions back, say once per second, and
-    /// hands them to [`Stepper::examine`], which finds all but tunnelling.
+    /// hands them to [`Stepper::examine`], which finds all but tunnelling and, where cloth or colliders were put elsewhere after the
+    /// start, cloth inside colliders.
     pub fn findings(&self) -> &[Finding] {
         &self.world.watchdog.findings
     }

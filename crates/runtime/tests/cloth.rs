@@ -33,3 +33,22 @@ fn bounds_hold_all_particles_and_no_texel_beside_them() {
     };
     assert_eq!(Cloth::new(parts).unwrap().bounds(), Some(([1.0, 2.0, 2.5], [1.125, 2.0, 3.0])));
 }
+
+#[test]
+fn a_flat_cloth_without_area_is_refused() {
+    let flat = |down| Flat { down, ..Flat::square("line", 5) }.cloth();
+    for down in [[0.5, 0.0, 0.0], [-2.0, 1e-4, 0.0], [0.0; 3], [f32::NAN; 3]] {
+        let error = flat(down).err().map(|e| e.to_string());
+        assert!(error.is_some_and(|text| text.contains("of a flat cloth")), "{down:?}");
+    }
+    // Skew, and thin.
+    assert!(flat([1.0, 0.1, 0.0]).is_ok() && flat([0.0, 0.0, 1e-4]).is_ok());
+}
+
+#[test]
+fn threads_that_no_machine_has_are_refused() {
+    let mut scene = Scene::new("one");
+    scene.cloths.push(Flat::square("sheet", 5).cloth().unwrap());
+    let error = Stepper::on_cpu(scene, Options { threads: 5000, ..Options::default() }).err().map(|e| e.to_string());
+    assert!(error.is_some_and(|text| text.contains("number of threads is 5000")));
+}

@@ -1,5 +1,7 @@
 //! Nothing fails in silence: cloth in trouble is found, and cloth that is well is not.
 
+use crate::support::rig::Rig;
+use gimage_runtime::scene::Pose;
 use gimage_runtime::*;
 
 const FRAME: f64 = 1.0 / 60.0;
@@ -205,4 +207,65 @@ fn where_the_longest_spring_is_at_a_pin_the_finding_says_so() {
         assert!(spot.piece == "sheet" && near.contains(&spot.texel), "{spot:?}");
         assert!(found[0].to_string().contains(&format!("the longest at {spot}")), "{}", found[0]);
     }
+}
+
+#[test]
+fn cloth_that_begins_inside_a_collider_is_found_with_the_speed_that_it_gets() {
+    let floor = |friction| Collider { friction, ..Collider::new(Shape::HalfSpace, [0.0; 3]) };
+    let deep = |depth: f32| scene(square(17, -depth), &[ball(0.1, [0.0, 5.0, 0.0]), floor(0.3)]);
+    for mut rig in Rig::both(&deep(0.05), &Options::default()) {
+        rig.frame(FRAME);
+        let found = rig.stepper.findings();
+        let Some(Finding { fate: Fate::Thrown { collider: 1, depth, speed }, place: Some(place), time, .. }) =
+            found.first()
+        else {
+            panic!("{}: {found:?}", rig.name());
+        };
+        let dt = FRAME / f64::from(rig.stepper.substeps());
+        assert!((depth - 0.05).abs() < 1e-3 && (speed * dt - 0.05).abs() < 1e-3, "{}: {found:?}", rig.name());
+        assert!(place.piece == "sheet" && *time <= FRAME + 1e-9, "{found:?}");
+        let text = found[0].to_string();
+        assert!(text.contains("inside collider 1") && text.contains("--clear-start on"), "{text}");
+    }
+    // It tells the truth: so high is a sheet that the start has not cleared.
+    let top = |stepper: &Stepper| stepper.positions(0).unwrap().iter().map(|p| p[1]).fold(0.0, f32::max);
+    assert!(top(&run(deep(0.05), Options::default(), 20)) > 1.0);
+    let mut cleared = deep(0.05);
+    cleared.clear_start(&Options::default()).unwrap();
+    let stepper = run(cleared, Options::default(), 20);
+    assert!(fates(&stepper).is_empty() && top(&stepper) < 0.01, "{:?}", fates(&stepper));
+    // A tenth of a millimetre throws nothing.
+    let stepper = run(deep(1e-4), Options::default(), 20);
+    assert!(fates(&stepper).is_empty() && top(&stepper) < 0.01, "{:?}", fates(&stepper));
+}
+
+#[test]
+fn a_collider_that_is_put_on_cloth_throws_it_and_one_that_moves_there_does_not() {
+    let place = |y: f32| Pose { position: [0.0, y, 0.0], ..Pose::default() };
+    let start = || {
+        let colliders = [Collider::new(Shape::HalfSpace, [0.0; 3]), ball(0.3, [0.0, -0.5, 0.0])];
+        let mut stepper = run(scene(square(17, 0.0), &colliders), Options::default(), 10);
+        assert_eq!(fates(&stepper), []);
+        stepper.move_collider(1, &place(-0.5)).unwrap();
+        stepper
+    };
+    let is_thrown = |stepper: &Stepper| fates(stepper).iter().any(|f| matches!(f, Fate::Thrown { collider: 1, .. }));
+    let mut put = start();
+    put.teleport_collider(1, &place(-0.1)).unwrap();
+    put.advance(FRAME).unwrap();
+    assert!(is_thrown(&put), "{:?}", fates(&put));
+    let mut moved = start();
+    for n in 1..=40 {
+        moved.move_collider(1, &place(-0.5 + 0.01 * n as f32)).unwrap();
+        moved.advance(FRAME).unwrap();
+    }
+    assert!(!is_thrown(&moved), "{:?}", fates(&moved));
+    // One more collider is new.
+    let mut more = start();
+    let mut colliders = more.scene().colliders.clone();
+    colliders[1].center = [0.0, -0.1, 0.0];
+    colliders.push(ball(0.1, [5.0, 0.0, 0.0]));
+    more.set_colliders(colliders).unwrap();
+    more.advance(FRAME).unwrap();
+    assert!(is_thrown(&more), "{:?}", fates(&more));
 }

@@ -134,6 +134,10 @@ fn a_vertex_lies_between_two_steps_as_the_grid_does() {
     stepper.wrap(0, &mesh, 0.0, &mut first).unwrap();
     stepper.wrap(0, &mesh, 0.5, &mut half).unwrap();
     stepper.wrap(0, &mesh, 1.0, &mut last).unwrap();
+    for fraction in [f32::NAN, f32::INFINITY] {
+        let error = stepper.wrap(0, &mesh, fraction, &mut Vec::new()).unwrap_err().to_string();
+        assert!(error.contains("fraction"), "{error}");
+    }
     let mut most = 0.0f32;
     for ((a, h), b) in first.iter().zip(&half).zip(&last) {
         let middle = [0, 1, 2, 3].map(|c| 0.5 * (a.position[c] + b.position[c]));

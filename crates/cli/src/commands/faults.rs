@@ -113,6 +113,7 @@ impl Faults {
                 Fate::Crossed { .. } => "crossed",
                 Fate::Slowed { .. } => "slowed",
                 Fate::Squeezed { .. } => "squeezed",
+                Fate::Thrown { .. } => "thrown",
                 _ => "other",
             };
             let (piece, texel) = (f.place.as_ref().map(|p| &p.piece), f.place.as_ref().map(|p| p.texel));

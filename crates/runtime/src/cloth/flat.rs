@@ -2,6 +2,7 @@
 
 use super::{Cloth, Grid, Mass, Particle, Parts, Rest};
 use crate::error::{Result, check};
+use crate::number::real::{cross, dot};
 
 /// A flat rectangle: texel (i, j) lies at `origin + right i / (width - 1) + down j / (height - 1)`.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,11 +31,15 @@ impl Flat {
     }
 
     /// Makes the cloth: structural and shear springs with the spacing of the grid as rest lengths, all particles free.
-    /// Errors as [`Cloth::new`], and on sides or a mass that are not above 0.
+    /// Errors as [`Cloth::new`], on sides or a mass that are not above 0, and on sides that are parallel.
     pub fn cloth(&self) -> Result<Cloth> {
         let side = |v: [f32; 3]| v.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
         check("the side of a flat cloth [m]", side(self.right), "above 0", |s| s > 0.0)?;
         check("the side of a flat cloth [m]", side(self.down), "above 0", |s| s > 0.0)?;
+        let (a, b) = (self.right.map(f64::from), self.down.map(f64::from));
+        let normal = cross(a, b);
+        let sine = dot(normal, normal).sqrt() / (side(self.right) * side(self.down));
+        check("the sine of the angle between the sides of a flat cloth", sine, "above 0.001", |s| s > 1e-3)?;
         check("the mass of a flat cloth [kg]", f64::from(self.mass), "above 0", |m| m > 0.0)?;
         let grid = Grid { name: self.name.clone(), first: 0, width: self.width, height: self.height };
         // Refused by `new`, but the lists below must not be made for it.

@@ -66,6 +66,15 @@ impl fmt::Display for Finding {
                  more room between colliders, move them more slowly, or use more substeps (now {substeps})",
                 1e3 * depth
             ),
+            Fate::Thrown { collider, depth, speed } => {
+                write!(f, "it was up to {:.1} mm inside collider {collider} as a frame began", 1e3 * depth)?;
+                place.iter().try_for_each(|place| write!(f, ", deepest at {place}"))?;
+                write!(
+                    f,
+                    ", and contact throws it out with {speed:.1} m/s on average: start it outside, clear the start (Scene::clear_start, or --clear-start on), and \
+                     move colliders to cloth in place of putting them on it"
+                )
+            }
         }
     }
 }

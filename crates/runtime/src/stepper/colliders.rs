@@ -20,6 +20,7 @@ impl Stepper {
             let met = if alike { Vec::new() } else { stepper.met() };
             stepper.world.take_colliders(colliders);
             if !alike {
+                stepper.world.watchdog.put();
                 stepper.meet(&met);
                 stepper.world.reschedule();
             }
@@ -65,6 +66,7 @@ impl Stepper {
     pub fn teleport_collider(&mut self, collider: usize, to: &Pose) -> Result<()> {
         self.to_pose(collider, to)?;
         self.world.driven.put(collider, *to);
+        self.world.watchdog.put();
         Ok(())
     }
 
@@ -75,6 +77,7 @@ impl Stepper {
         self.guarded(|stepper| {
             let met = stepper.met();
             stepper.world.scene.cloths[cloth].collision_groups = groups;
+            stepper.world.watchdog.put();
             stepper.meet(&met);
             stepper.world.wake(cloth);
             stepper.world.reschedule();

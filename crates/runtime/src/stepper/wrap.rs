@@ -3,7 +3,7 @@
 use super::Stepper;
 use crate::cloth::Rows;
 use crate::cpu::wrap::{Jumps, Sheet};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check};
 #[cfg(feature = "gpu")]
 use crate::gpu::Span;
 use crate::handle::ClothRef;
@@ -19,7 +19,7 @@ impl Stepper {
     /// level binds the vertices to it, 0.3 microseconds each. Cuts leave vertices where the cloth around them goes; [`Stepper::render_indices`]
     /// has the triangles that are left.
     ///
-    /// Errors on the GPU backend, if the cloth does not exist, and if the mesh belongs to another bundle.
+    /// Errors on the GPU backend, if the cloth does not exist, if the mesh belongs to another bundle, and if the fraction is not finite.
     pub fn wrap(
         &self,
         cloth: impl Into<ClothRef>,
@@ -31,6 +31,7 @@ impl Stepper {
         let (bodies, threads) = self.cpu.as_ref().ok_or(Error::GpuOnly("Stepper::wrap"))?;
         let (body, name) = (&bodies[cloth], self.world.scene.cloths[cloth].name());
         let bound = mesh.binding.on(name, &self.world.steps(cloth))?;
+        check_fraction(fraction)?;
         let time = self.world.time_at(fraction);
         let arrival = self.world.runs[cloth].arrival.as_ref().filter(|arrival| arrival.share(time) > 0.0);
         let rows = arrival.map(|arrival| arrival.jumps(threads, name, mesh, &bound)).transpose()?;
@@ -105,6 +106,7 @@ impl Stepper {
         let of = &self.world.scene.cloths[cloth];
         let bound = mesh.binding.on(of.name(), &self.world.steps(cloth))?;
         bound.fits(of.name(), of.len())?;
+        check_fraction(fraction)?;
         self.guarded(|stepper| {
             let mut made = Vec::new();
             if stepper.cpu.is_some() {
@@ -146,4 +148,8 @@ impl Stepper {
             Ok(span)
         })
     }
+}
+
+fn check_fraction(fraction: f32) -> Result<()> {
+    check("the fraction of the last step", fraction.into(), "finite", f64::is_finite)
 }

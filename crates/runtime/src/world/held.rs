@@ -3,8 +3,12 @@
 use super::World;
 use super::truncate::is_safe;
 use crate::crossings::{self, Drawn};
+#[cfg(feature = "gpu")]
+use crate::findings::thrown;
 use crate::findings::{Fate, Watchdog};
 use crate::handle::ClothHandle;
+#[cfg(feature = "gpu")]
+use crate::number::real::with_w;
 
 /// Where the host has seen cloths.
 #[derive(Default)]
@@ -66,6 +70,29 @@ impl World {
             let (pairs, touching, forced) = (found.total(), found.touching, self.seen.forced);
             self.report(cloth, Fate::Crossed { pairs, touching, forced });
         }
+    }
+
+    /// Looks for cloth that begins its first frame, of `steps` steps, inside colliders, where its positions are known only then: on the GPU. The
+    /// first pose of cloth that follows joints is not known either.
+    #[cfg(feature = "gpu")]
+    pub fn look_at_starts(&mut self, steps: u32) {
+        if steps == 0 {
+            return;
+        }
+        let (time, dt) = (self.control.clock.time, self.control.clock.dt);
+        let seconds = f64::from(steps) * dt;
+        let mut watchdog = std::mem::replace(&mut self.watchdog, Watchdog::new(0));
+        for (index, run) in self.runs.iter().enumerate() {
+            if !watchdog.take_put(index) || !watchdog.comes(index, time) || run.joints.is_some() || !self.meets(index) {
+                continue;
+            }
+            let cloth = &self.scene.cloths[index];
+            let at = |(k, p): (usize, &[f32; 3])| with_w(run.home.apply(*p), cloth.inverse_mass(k));
+            let now: Vec<[f32; 4]> = cloth.positions().iter().enumerate().map(at).collect();
+            let thrown = thrown::search(&now, &self.solids()[run.coat], dt, seconds);
+            watchdog.throw::<f32>(&self.sight(index, (&[], &[]), &[], seconds), thrown);
+        }
+        self.watchdog = watchdog;
     }
 
     /// Reports a failure of a cloth that its positions do not tell.

@@ -6,7 +6,7 @@ use crate::cpu::body::Body;
 use crate::cpu::fused;
 use crate::cpu::rows::Threads;
 use crate::findings::passing::{Passing, search};
-use crate::findings::{Watchdog, is_risky};
+use crate::findings::{Fate, Watchdog, is_risky, thrown};
 use crate::number::real::Real;
 
 /// A cloth that is awake in a frame.
@@ -22,6 +22,9 @@ struct Watch<T> {
     prior: Option<Vec<[T; 4]>>,
     /// Particles that went through colliders in it.
     passings: Vec<Passing>,
+    /// Whether something was put elsewhere before it, and what became of the cloth inside colliders.
+    is_put: bool,
+    thrown: Option<(Fate, usize)>,
 }
 
 impl World {
@@ -37,7 +40,14 @@ impl World {
         let mut watchdog = std::mem::replace(&mut self.watchdog, Watchdog::new(0));
         let due = watchdog.is_due(self.control.clock.time + seconds);
         let mut watches: Vec<Watch<T>> = Vec::new();
-        watches.resize_with(bodies.len(), || Watch { prior: None, passings: Vec::new() });
+        watches.resize_with(bodies.len(), || Watch { prior: None, passings: Vec::new(), is_put: false, thrown: None });
+        if self.host.put {
+            watchdog.put();
+        }
+        if steps > 0 {
+            let awake = watches.iter_mut().enumerate().filter(|(index, _)| !self.runs[*index].asleep);
+            awake.for_each(|(index, watch)| watch.is_put = watchdog.take_put(index));
+        }
         let mut each =
             |world: &World, bodies: &mut [Body<T>], chosen: bool, work: &(dyn Fn(&World, &mut Move<T>) + Sync)| {
                 let both = bodies.iter_mut().zip(&mut watches).enumerate();
@@ -52,6 +62,7 @@ impl World {
             let met = &solids[world.runs[*index].coat];
             let risky = !met.is_empty() && is_risky(body.now(), body.before(), met, dt, seconds);
             watch.prior = risky.then(|| body.now().to_vec());
+            watch.thrown = watch.is_put.then(|| thrown::search(body.now(), met, dt, seconds)).flatten();
         };
         let finish = |world: &World, Move { index, body, watch }: &mut Move<T>| {
             let met = &solids[world.runs[*index].coat];
@@ -92,6 +103,7 @@ impl World {
             let met = &solids[self.runs[index].coat];
             let sight = self.sight(index, (body.now(), body.before()), met, seconds);
             watchdog.cross(&sight, &watch.passings);
+            watchdog.throw(&sight, watch.thrown);
             crossed.iter().filter(|(cloth, _)| *cloth == index).for_each(|(_, fate)| watchdog.find(&sight, *fate));
             if let Some(fate) = self.squeezed(index, body.now(), met) {
                 watchdog.find(&sight, fate);
