@@ -188,3 +188,21 @@ fn two_hands_may_hold_one_point() {
     rig.frame(FRAME);
     assert_eq!(pins(&rig), before);
 }
+
+#[test]
+fn cloth_that_starts_inside_a_collider_is_found_on_either_backend() {
+    let mut below = scene(Flat { origin: [-0.5, -0.05, -0.5], ..Flat::square("sheet", 17) }.cloth().unwrap());
+    below.colliders = vec![Collider::new(Shape::HalfSpace, [0.0; 3])];
+    let mut found = Vec::new();
+    for mut rig in Rig::both(&below, &Options::default()) {
+        (0..2).for_each(|_| rig.frame(FRAME));
+        let first = rig.stepper.findings().first().cloned();
+        assert!(
+            matches!(first, Some(Finding { fate: Fate::Thrown { collider: 0, .. }, .. })),
+            "{}: {first:?}",
+            rig.name()
+        );
+        found.extend(first);
+    }
+    assert!(found.iter().all(|f| f == &found[0]), "{found:?}");
+}
