@@ -81,6 +81,7 @@ impl World {
         }
         let (time, dt) = (self.control.clock.time, self.control.clock.dt);
         let seconds = f64::from(steps) * dt;
+        let mut solids = None;
         let mut watchdog = std::mem::replace(&mut self.watchdog, Watchdog::new(0));
         for (index, run) in self.runs.iter().enumerate() {
             if !watchdog.take_put(index) || !watchdog.comes(index, time) || run.joints.is_some() || !self.meets(index) {
@@ -89,7 +90,8 @@ impl World {
             let cloth = &self.scene.cloths[index];
             let at = |(k, p): (usize, &[f32; 3])| with_w(run.home.apply(*p), cloth.inverse_mass(k));
             let now: Vec<[f32; 4]> = cloth.positions().iter().enumerate().map(at).collect();
-            let thrown = thrown::search(&now, &self.solids()[run.coat], dt, seconds);
+            let met = &solids.get_or_insert_with(|| self.solids())[run.coat];
+            let thrown = thrown::search(&now, met, dt, seconds);
             watchdog.throw::<f32>(&self.sight(index, (&[], &[]), &[], seconds), thrown);
         }
         self.watchdog = watchdog;
