@@ -153,6 +153,40 @@ impl Cloth {
         Ok(())
     }
 
+    /// Binds the whole cloth to one joint, such as a flagpole, a vehicle or a hand, in place of the skin that it has: a skin of one joint that
+    /// every particle follows alone. `inverse_bind` takes a position of the cloth as it is now \[m\] to the space of the joint, column-major.
+    /// Pins that [`crate::Stepper::set_joints`] moves go there over the substeps of a frame; [`crate::Stepper::set_pins`] moves them at once: pins at
+    /// 3 m/s then stretch a curtain of 48 x 48 by up to 5.2 % (p99) in place of 0.6.
+    ///
+    /// ```
+    /// use gimage_runtime::{Flat, Options, Scene, Select, Stepper};
+    ///
+    /// let identity = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    /// let mut flag = Flat::square("flag", 9).cloth()?;
+    /// let pole = flag.select(&Select::Texels { piece: None, from: [0, 0], to: [0, 8] })?;
+    /// flag.pin(&pole)?;
+    /// flag.bind_to_joint("pole", identity)?;
+    /// flag.follow_joints(&[identity])?;
+    /// let mut scene = Scene::new("a flag on a car");
+    /// scene.cloths.push(flag);
+    /// let mut stepper = Stepper::on_cpu(scene, Options::default())?;
+    /// let mut car = identity;
+    /// car[12] = 0.05;
+    /// stepper.set_joints(0, &[car])?;
+    /// stepper.advance(1.0 / 60.0)?;
+    /// # Ok::<(), gimage_runtime::Error>(())
+    /// ```
+    ///
+    /// Errors on a number of the matrix that is not finite.
+    pub fn bind_to_joint(&mut self, name: &str, inverse_bind: [f32; 16]) -> Result<()> {
+        if let Some(index) = inverse_bind.iter().position(|x| !x.is_finite()) {
+            return Err(Error::NotFinite { cloth: self.name().into(), what: "number of the inverse bind matrix", index });
+        }
+        let joint = SkinJoint { name: name.into(), parent: None, inverse_bind };
+        let alone = Influence { joints: [0; 4], weights: [1.0, 0.0, 0.0, 0.0] };
+        self.set_skin(vec![joint], &vec![alone; self.len()])
+    }
+
     /// Has the cloth follow its joints from its start on: it starts where these matrices put it, its pinned particles stay on the skin, and
     /// [`Cloth::limits`] are distances from the skin. [`crate::Stepper::set_joints`] moves it on.
     ///

@@ -13,7 +13,8 @@ const MIN_FOR_ALL: usize = 16;
 impl Stepper {
     /// Puts particles, and their seam duplicates, at absolute positions \[m\] and at rest, one position per particle, at the
     /// start of the next frame. Meant for pinned particles: a free one moves on from there. Positions do not change within a
-    /// frame, so a pin moves by steps of a frame. Of several positions for one particle the last counts. Wakes the cloth.
+    /// frame, so a pin moves by steps of a frame, and fast ones pull at the cloth: pins that ride on something follow it over the substeps
+    /// ([`crate::Cloth::bind_to_joint`]). Of several positions for one particle the last counts. Wakes the cloth.
     ///
     /// On the GPU 24 bytes per particle in the upload of the frame, and one dispatch, however many particles there are; calls for one cloth that
     /// follow one another share them. On the CPU about 20 ns per particle.
