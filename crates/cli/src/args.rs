@@ -171,7 +171,7 @@ pub struct SceneArgs {
     #[arg(long, value_enum)]
     pub contact: Option<ContactArg>,
     /// Move free particles out of the body, the colliders and, with contact, the garments below that they begin in, before the first
-    /// frame; auto is on for a bundle, and as a scene file has it.
+    /// frame; auto is on for a bundle, as a scene file has it, and else on where the first frame would throw cloth out of colliders.
     #[arg(long, value_enum, default_value_t = ClearStartArg::Auto)]
     pub clear_start: ClearStartArg,
     #[command(flatten)]

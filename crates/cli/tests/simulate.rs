@@ -242,3 +242,26 @@ fn a_grid_too_large_for_an_image_is_refused_before_stepping() {
     assert!(run.stderr.contains("16385 x 2") && run.stderr.contains("16384"), "{}", run.stderr);
     assert!(!place.path("out").exists());
 }
+
+#[test]
+fn a_scene_that_would_throw_its_cloth_out_of_a_floor_is_cleared_unless_it_says_otherwise() {
+    let place = Place::new();
+    let flags = "--backend cpu --frames 30 --json";
+    let scene = |up: f32, more: &str| {
+        let flat = r#"{"width": 17, "height": 17, "right": [1, 0, 0], "down": [0, 0, 1]}"#;
+        let cloth = format!(r#"{{"from": {{"flat": {flat}}}}}"#);
+        let floor = format!(r#"{{"shape": {{"half_space": {{}}}}, "position": [0, {up}, 0]}}"#);
+        format!(r#"{{"format": "gimage-scene", "version": 1, {more} "cloths": [{cloth}], "colliders": [{floor}]}}"#)
+    };
+    place.write("deep.json", &scene(0.05, ""));
+    place.write("left.json", &scene(0.05, r#""clear_start": false,"#));
+    place.write("shallow.json", &scene(1e-4, ""));
+    let run = place.run(&format!("simulate deep.json {flags}")).expect(&[0]);
+    assert!(run.stderr.contains("289 of 289 free particles began inside"), "{}", run.stderr);
+    let run = place.run(&format!("simulate left.json {flags}")).expect(&[1]);
+    assert_eq!(run.json()["findings"][0]["kind"], "thrown");
+    let run = place.run(&format!("simulate deep.json {flags} --clear-start off")).expect(&[1]);
+    assert_eq!(run.json()["findings"][0]["kind"], "thrown");
+    let run = place.run(&format!("simulate shallow.json {flags}")).expect(&[0]);
+    assert!(!run.stderr.contains("began inside"), "{}", run.stderr);
+}

@@ -35,7 +35,7 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
     let mut loaded = open_moving(args)?;
     let SceneFile { scene, options, clear_start, .. } = &mut loaded.file;
     let is_cleared = match args.clear_start {
-        ClearStartArg::Auto => *clear_start,
+        ClearStartArg::Auto => clear_start.unwrap_or_else(|| scene.is_to_clear(options)),
         ClearStartArg::On => true,
         ClearStartArg::Off => false,
     };
@@ -165,7 +165,7 @@ fn open_with(name: &str, n: u32) -> Result<Opened, Failure> {
         let joints = body.iter().map(|b| b.joint.clone()).collect();
         scene.colliders = body.into_iter().map(|b| b.collider).collect();
         let (reading, source) = (Reading::of(&bundle.manifest), bundle.manifest.source.file.clone());
-        let file = SceneFile { joints, clear_start: true, ..plain(scene) };
+        let file = SceneFile { joints, clear_start: Some(true), ..plain(scene) };
         Ok(Opened { file, bundles: vec![Some(bundle)], reading, source })
     } else {
         read(path)
@@ -176,7 +176,7 @@ fn plain(scene: Scene) -> SceneFile {
     let looks = (0..scene.cloths.len()).map(Look::of).collect();
     let (script, options, solid_look) = (Script::default(), Options::default(), SolidLook::default());
     let (character, sources, joints) = (None, Vec::new(), Vec::new());
-    let (clear_start, camera, background) = (false, None, None);
+    let (clear_start, camera, background) = (None, None, None);
     SceneFile { scene, clear_start, script, options, camera, background, looks, solid_look, character, sources, joints }
 }
 

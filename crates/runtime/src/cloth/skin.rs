@@ -180,7 +180,11 @@ impl Cloth {
     /// Errors on a number of the matrix that is not finite.
     pub fn bind_to_joint(&mut self, name: &str, inverse_bind: [f32; 16]) -> Result<()> {
         if let Some(index) = inverse_bind.iter().position(|x| !x.is_finite()) {
-            return Err(Error::NotFinite { cloth: self.name().into(), what: "number of the inverse bind matrix", index });
+            return Err(Error::NotFinite {
+                cloth: self.name().into(),
+                what: "number of the inverse bind matrix",
+                index,
+            });
         }
         let joint = SkinJoint { name: name.into(), parent: None, inverse_bind };
         let alone = Influence { joints: [0; 4], weights: [1.0, 0.0, 0.0, 0.0] };

@@ -21,8 +21,9 @@ pub const MAX_BYTES: usize = 16 << 20;
 pub struct SceneFile {
     /// The scene at its start. `frames` is the file's duration in frames of `options.step`.
     pub scene: Scene,
-    /// Whether the scene is to be cleared at its start: call [`Scene::clear_start`] once joints and colliders are where they begin.
-    pub clear_start: bool,
+    /// Whether the scene is to be cleared at its start: call [`Scene::clear_start`] once joints and colliders are where they begin. `None` leaves that
+    /// to [`Scene::is_to_clear`].
+    pub clear_start: Option<bool>,
     /// The script: call [`Script::frame`] before each frame.
     pub script: Script,
     /// Solver settings; the file does not set backend and threads.

@@ -27,8 +27,7 @@ pub struct File {
     pub solver: Solver,
     #[serde(default)]
     pub thickness: f32,
-    #[serde(default)]
-    pub clear_start: bool,
+    pub clear_start: Option<bool>,
     pub cloths: Vec<Cloth>,
     #[serde(default)]
     pub colliders: Vec<Collider>,

@@ -51,7 +51,7 @@ fn every_field_reaches_the_scene() {
     let file = parse(&full()).unwrap();
     let scene = &file.scene;
     assert_eq!((scene.frames, file.options.substeps, file.options.iterations), (30, Some(2), 3));
-    assert_eq!((file.options.thickness, file.clear_start), (0.003, true));
+    assert_eq!((file.options.thickness, file.clear_start), (0.003, Some(true)));
     assert_eq!(file.options.quality, crate::Quality::ErrorWithin { stretch: 0.02, ms: 1.5 });
     assert_eq!((scene.colliders.len(), file.script.colliders.len(), file.script.cuts.len()), (5, 5, 1));
     assert_eq!(scene.colliders[4].shape, Shape::Ellipsoid { radii: [1.0, 2.0, 3.0], closest: true });
