@@ -6,6 +6,7 @@ use gimage::pins::Pin;
 use gimage::render::RenderMesh;
 use gimage::select::Pattern;
 use gimage::shell::Layer;
+use gimage::strands::Strands;
 
 use super::*;
 use clap::CommandFactory;
@@ -30,7 +31,7 @@ fn nothing_said_is_the_default() {
 fn every_flag_reaches_the_options() {
     let flags = "--size 64x32 --sample point --seams uv --piece a --piece b --pin above:-1.5 --pin loop:0 --limit below:1=0.05 --unit 0.01 --up -Z --center \
                  --weld 1e-4 --accessory-area 0.05 --rest arc --density 0.3 --detail 0.25 --effort best \
-                 --no-metrics --cloth a*,b --cloth c --body head --rigid staff --caps open --shell outer --render-mesh off";
+                 --no-metrics --cloth a*,b --cloth c --body head --rigid staff --strands keep --caps open --shell outer --render-mesh off";
     let o = build(&flags.split_whitespace().collect::<Vec<_>>()).unwrap();
     assert_eq!((o.image.size, o.image.sample, o.image.seams), (ImageSize::Exact(64, 32), Sample::Point, Seams::Uv));
     assert_eq!((o.import.pieces, o.import.unit), (vec!["a".to_owned(), "b".to_owned()], 0.01));
@@ -42,6 +43,7 @@ fn every_flag_reaches_the_options() {
     assert_eq!((o.repair.weld, o.component.accessory_area, o.mass.density), (Some(1e-4), 0.05, 0.3));
     assert_eq!((o.assemble.rest, o.gate.metrics), (RestLength::Arc, false));
     assert_eq!((o.image.detail, o.image.effort, o.shell.shell), (0.25, Effort::Best, Layer::Outer));
+    assert_eq!(o.strands.strands, Strands::Keep);
     assert_eq!((o.caps.caps, o.render.render_mesh), (Caps::Open, RenderMesh::Off));
     assert_eq!(build(&["--texels", "99"]).unwrap().image.size, ImageSize::Texels(99));
     assert_eq!(build(&["--spacing", "0.01"]).unwrap().image.size, ImageSize::Spacing(0.01));

@@ -75,7 +75,7 @@ pub use stage::image::{judge, ladder};
 pub use stage::measure::stretch;
 pub use stage::{
     blend, caps, colliders, component, contents, export, gate, hold, import, measure, reconstruct, render, repair,
-    select, shell, stitch,
+    select, shell, stitch, strands,
 };
 
 pub use error::{Error, Result};

@@ -24,6 +24,7 @@ use crate::stage::repair::RepairOptions;
 use crate::stage::select::SelectOptions;
 use crate::stage::shell::ShellOptions;
 use crate::stage::stitch::StitchOptions;
+use crate::stage::strands::StrandsOptions;
 
 pub use field::Choice;
 pub(crate) use field::{Field, stage_options};
@@ -167,6 +168,8 @@ pub struct BuildOptions {
     pub select: SelectOptions,
     /// Options of the repair.
     pub repair: RepairOptions,
+    /// Options of strands.
+    pub strands: StrandsOptions,
     /// Options of caps across openings.
     pub caps: CapsOptions,
     /// Options of thin shells.
@@ -196,6 +199,7 @@ impl BuildOptions {
             self.import.settings(),
             self.select.settings(),
             self.repair.settings(),
+            self.strands.settings(),
             self.caps.settings(),
             self.shell.settings(),
             self.component.settings(),
@@ -291,6 +295,7 @@ mod tests {
             "seams",
             "shell",
             "stitch",
+            "strands",
             "unit",
             "up",
             "weld",

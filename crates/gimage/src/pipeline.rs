@@ -40,6 +40,7 @@ use crate::stage::repair::repair;
 use crate::stage::select::{demand_cloth, divided, select};
 use crate::stage::shell::thin;
 use crate::stage::stitch::stitch;
+use crate::stage::strands::leave_strands;
 
 /// A finished build, not yet written.
 #[derive(Clone, Debug)]
@@ -125,6 +126,9 @@ fn build_as(
     run.report.findings.extend(plan.findings.iter().cloned());
     let options = &plan.options;
     let mut thinned = run.stage(Stage::Shell, 1, |report| {
+        let stripped = leave_strands(mesh, &options.strands);
+        report.findings.extend(stripped.finding);
+        let mesh = stripped.mesh;
         let corners = trace.as_ref().filter(|_| may_open).map(|trace| trace.corners_of(&mesh));
         let opened = open_caps(mesh, &options.caps);
         if let (Some(trace), Some(corners)) = (&mut trace, corners) {

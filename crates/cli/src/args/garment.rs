@@ -18,6 +18,7 @@ use gimage::render::{RenderMesh, Subdivision};
 use gimage::select::{Pattern, SelectOptions};
 use gimage::shell::Layer;
 use gimage::stitch::Stitching;
+use gimage::strands::Strands;
 
 use super::values::{choice, collider_source, number, shape, size};
 
@@ -109,6 +110,8 @@ pub struct ReadArgs {
     pub center: bool,
     #[arg(long, help = help_of("weld"), value_name = "METRES", value_parser = number("weld"), allow_negative_numbers = true)]
     pub weld: Option<f64>,
+    #[arg(long, help = help_of("strands"), value_parser = choice::<Strands>())]
+    pub strands: Option<Strands>,
     #[arg(long, help = help_of("caps"), value_parser = choice::<Caps>())]
     pub caps: Option<Caps>,
     #[arg(long, help = help_of("shell"), value_parser = choice::<Layer>())]
@@ -224,6 +227,7 @@ impl ReadArgs {
         options.select =
             SelectOptions { cloth: self.cloth.clone(), body: self.body.clone(), rigid: self.rigid.clone() };
         options.repair.weld = self.weld.or(options.repair.weld);
+        set(&mut options.strands.strands, self.strands);
         set(&mut options.caps.caps, self.caps);
         set(&mut options.shell.shell, self.shell);
         options

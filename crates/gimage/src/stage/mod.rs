@@ -15,7 +15,9 @@ pub mod component;
 pub mod contents;
 
 pub mod caps;
+
 pub mod colliders;
+pub mod strands;
 
 // Each connected component: a surface.
 
