@@ -6,6 +6,7 @@ use super::accessor::Accessors;
 use super::local::Local;
 use super::matrix::{self, Matrix};
 use super::nodes::Forest;
+use super::roots::without_odd_roots;
 use super::skin::inverse_binds;
 use crate::base::vec3::{distance, norm};
 
@@ -23,7 +24,7 @@ pub(super) fn bound(accessors: &Accessors, forest: &Forest, rest: &[Local]) -> V
     let binds = |k: usize| -> HashMap<usize, Matrix> {
         let is_bound = skins[k].inverse_bind_matrices.is_some();
         let matrices = is_bound.then(|| inverse_binds(accessors, forest, k).ok()).flatten().unwrap_or_default();
-        skins[k].joints.iter().map(|j| j.value()).zip(matrices).collect()
+        without_odd_roots(forest, skins[k].joints.iter().map(|j| j.value()).zip(matrices).collect())
     };
     let binds: Vec<_> = (0..skins.len()).map(binds).collect();
     let mut worlds = forest.world.clone();

@@ -193,6 +193,10 @@ fn a_skin_that_is_bound_in_the_pose_of_its_nodes_or_makes_no_sense_changes_nothi
     // Rounded.
     let (own, rest) = start(&[1, 2, 3], &[down(2.0, 0.0), down(4.000_1, 0.000_2), down(6.0, 0.0)]);
     assert_eq!(own, rest);
+    // A root that an exporter added, of another size than the mesh that the other joints move.
+    let small = |y: f64| matrix::from_trs([0.0, -y, 0.0], [0.0, 0.0, 0.0, 1.0], [0.5; 3]);
+    let (own, rest) = start(&[1, 2, 3], &[down(2.0, 0.0), small(1.0), small(1.5)]);
+    assert_eq!(own, rest);
     // Sheared, and joints that the file has not.
     let mut sheared = down(4.0, 0.0);
     sheared[4] = 1.0;

@@ -38,6 +38,7 @@ mod place;
 mod polygon;
 mod primitive;
 mod rehang;
+mod roots;
 mod scene;
 mod shapes;
 mod skin;

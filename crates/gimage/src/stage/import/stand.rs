@@ -14,12 +14,12 @@ use nalgebra::Matrix3;
 use super::accessor::Accessors;
 use super::matrix::{self, Matrix};
 use super::nodes::{Forest, Placed};
+use super::roots::{SIZE, size_of, without_odd_roots};
 use super::skin::inverse_binds;
 use crate::base::vec3::distance;
 
-/// A node stands as its joints pose the mesh if both agree to this share in size, to this angle \[rad\], and in place to this share of the skeleton:
+/// A node stands as its joints pose the mesh if both agree in size ([`SIZE`]), to this angle \[rad\], and in place to this share of the skeleton:
 /// files are exported in any frame of an animation.
-const SIZE: f64 = 0.02;
 const TURN: f64 = 0.25;
 const PLACE: f64 = 0.25;
 /// Share of the volume that a transform of its longest axis would have, up to which it flattens.
@@ -65,7 +65,7 @@ fn skins(accessors: &Accessors, forest: &Forest, used: &HashSet<usize>) -> HashM
         let skin = &accessors.doc.root.skins[*index];
         skin.inverse_bind_matrices?;
         let binds = inverse_binds(accessors, forest, *index).ok()?;
-        let binds: HashMap<usize, Matrix> = skin.joints.iter().map(|j| j.value()).zip(binds).collect();
+        let binds = without_odd_roots(forest, skin.joints.iter().map(|j| j.value()).zip(binds).collect());
         // For each node the highest joint among it and its ancestors, and how many joints that is for.
         let mut highest: Vec<Option<usize>> = vec![None; forest.parent.len()];
         let mut below: HashMap<usize, usize> = HashMap::new();
@@ -106,9 +106,8 @@ fn departs(skin: &Skin, world: &Matrix) -> bool {
     let place = |joint: &usize| bound(&skin.binds[joint]);
     let Some(top) = place(&skin.top) else { return false };
     let Some(node) = similar(world, top) else { return true };
-    let scale = |m: &Matrix| matrix::determinant(m).abs().cbrt();
-    let ratio = scale(&node) / scale(&skin.stands);
-    let [a, b] = [&node, &skin.stands].map(|m| Matrix3::from_fn(|i, j| m[4 * j + i] / scale(m)));
+    let ratio = size_of(&node) / size_of(&skin.stands);
+    let [a, b] = [&node, &skin.stands].map(|m| Matrix3::from_fn(|i, j| m[4 * j + i] / size_of(m)));
     let turn = (0.5 * ((a.transpose() * b).trace() - 1.0)).clamp(-1.0, 1.0).acos();
     let at = |p: [f64; 3]| matrix::point(&skin.stands, p);
     let far = |joint| place(joint).map(|p| distance(at(p), at(top)));
