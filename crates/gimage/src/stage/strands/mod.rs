@@ -10,7 +10,7 @@ use crate::base::rebuild::rebuild;
 use crate::options::{Choice, Range, stage_options};
 use crate::record::Finding;
 
-/// What becomes of strands.
+/// Whether strands are cloth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Strands {
     /// They ride on the cloth.
