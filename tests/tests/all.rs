@@ -37,6 +37,7 @@ mod round_trip;
 mod shells;
 mod springs;
 mod stitches;
+mod strands;
 mod subdivide;
 mod tshirt_in_motion;
 mod weld;

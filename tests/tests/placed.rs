@@ -77,6 +77,50 @@ fn a_skinned_mesh_stands_as_its_joints_pose_it_wherever_its_node_is() {
     assert!(gap(twice, bounds(&large)) < 2e-4, "{twice:?} {:?}", bounds(&large));
 }
 
+#[test]
+fn a_root_that_is_bound_in_another_size_does_not_say_how_large_a_mesh_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let plain = figure(folder.path(), |_| {});
+    // As from programs that put a joint above all others, which no vertex follows.
+    let mut file = Glb::read(&asset("figure.glb"));
+    let skin = &file.json["skins"][0];
+    let accessor = skin["inverseBindMatrices"].as_u64().unwrap() as usize;
+    let joints = skin["joints"].as_array().unwrap().len();
+    let root = file.json["nodes"].as_array().unwrap().len();
+    let view = file.json["accessors"][accessor]["bufferView"].as_u64().unwrap() as usize;
+    let offset = |json: &Value| json["byteOffset"].as_u64().unwrap_or(0) as usize;
+    let start = offset(&file.json["bufferViews"][view]) + offset(&file.json["accessors"][accessor]);
+    let mut binds = file.bytes[start..start + 64 * joints].to_vec();
+    let small: [f32; 16] = std::array::from_fn(|k| {
+        if k == 15 {
+            1.0
+        } else if k % 5 == 0 {
+            0.25
+        } else {
+            0.0
+        }
+    });
+    binds.extend(small.iter().flat_map(|x| x.to_le_bytes()));
+    file.bytes.resize(file.bytes.len().next_multiple_of(4), 0);
+    let views = file.json["bufferViews"].as_array_mut().unwrap();
+    views.push(json!({"buffer": 0, "byteOffset": file.bytes.len(), "byteLength": binds.len()}));
+    let view = views.len() - 1;
+    file.bytes.extend(binds);
+    let json = &mut file.json;
+    json["buffers"][0]["byteLength"] = json!(file.bytes.len());
+    let mut own = json["accessors"][accessor].clone();
+    (own["bufferView"], own["byteOffset"], own["count"]) = (json!(view), json!(0), json!(joints + 1));
+    json["accessors"].as_array_mut().unwrap().push(own);
+    json["skins"][0]["inverseBindMatrices"] = json!(json["accessors"].as_array().unwrap().len() - 1);
+    json["skins"][0]["joints"].as_array_mut().unwrap().push(json!(root));
+    json["nodes"].as_array_mut().unwrap().push(json!({"name": "_rootJoint", "children": [3]}));
+    json["scenes"][0]["nodes"] = json!([0, 1, 2, root]);
+    let path = folder.path().join("rooted.glb");
+    file.write(&path);
+    let rooted = reread(&build(&path, &shirt()).unwrap().bundle);
+    assert!(gap(bounds(&plain), bounds(&rooted)) < 1e-4, "{:?} {:?}", bounds(&plain), bounds(&rooted));
+}
+
 /// The drawn vertices of a bundle at rest.
 fn drawn(bundle: &Bundle) -> Vec<RenderVertex> {
     let mesh = RenderMesh::from_bundle(bundle).unwrap().unwrap();

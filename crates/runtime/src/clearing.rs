@@ -93,8 +93,8 @@ impl Scene {
     }
 
     /// Whether the first frame would throw cloth out of colliders, which [`Scene::clear_start`] prevents: the mean way out of the free particles
-    /// of a cloth is longer than 1 mm. Ways out that cancel each other, as of a sleeve around an arm, throw nothing. About 10 ns per particle
-    /// and collider.
+    /// of a cloth is longer than 1 mm. Ways out that cancel each other, as of a sleeve around an arm, throw nothing. O(particles x
+    /// colliders).
     ///
     /// ```
     /// use gimage_runtime::{Collider, Flat, Options, Scene, Shape};

@@ -112,6 +112,13 @@ impl Mesh {
         self.triangles[t].map(|v| self.positions[v as usize])
     }
 
+    /// The unit normal of triangle `t`; 0 without area.
+    pub fn facing(&self, t: usize) -> [f64; 3] {
+        let [a, b, c] = self.corners(t);
+        let n = crate::base::vec3::cross(crate::base::vec3::sub(b, a), crate::base::vec3::sub(c, a));
+        if crate::base::vec3::dot(n, n) > 0.0 { crate::base::vec3::normalize(n) } else { [0.0; 3] }
+    }
+
     /// Area of triangle `t` \[m2\].
     pub fn triangle_area(&self, t: usize) -> f64 {
         let [a, b, c] = self.corners(t);

@@ -5,7 +5,7 @@ use gimage_bundle::DisjointSets;
 use super::Cap;
 use crate::base::halfedge::{euler, sorted_edges};
 use crate::base::mesh::Mesh;
-use crate::base::vec3::{add, cross, distance, dot, normalize, scale, sub};
+use crate::base::vec3::{add, cross, distance, dot, scale, sub};
 use crate::stage::import::bones;
 
 /// Sheets end at edges that are bent by more than this.
@@ -21,7 +21,7 @@ const FLAT_SHARE: f64 = 0.45;
 pub(super) fn caps(mesh: &Mesh) -> Vec<Cap> {
     let count = mesh.triangles.len();
     let areas: Vec<f64> = (0..count).map(|t| mesh.triangle_area(t)).collect();
-    let normals: Vec<[f64; 3]> = (0..count).map(|t| facing(mesh, t)).collect();
+    let normals: Vec<[f64; 3]> = (0..count).map(|t| mesh.facing(t)).collect();
     let edges = sorted_edges(&mesh.triangles);
     let (mut components, mut sheets) = (DisjointSets::new(count), DisjointSets::new(count));
     let cosine = SHARP_DEGREES.to_radians().cos();
@@ -84,13 +84,6 @@ pub(super) fn caps(mesh: &Mesh) -> Vec<Cap> {
 pub(super) fn opening(triangles: impl Iterator<Item = (f64, [f64; 3])>) -> f64 {
     let sum = triangles.fold([0.0; 3], |sum, (area, n)| add(sum, scale(n, area)));
     dot(sum, sum).sqrt()
-}
-
-/// The unit normal of a triangle; 0 without area.
-fn facing(mesh: &Mesh, t: usize) -> [f64; 3] {
-    let [a, b, c] = mesh.corners(t);
-    let n = cross(sub(b, a), sub(c, a));
-    if dot(n, n) > 0.0 { normalize(n) } else { [0.0; 3] }
 }
 
 /// Whether each triangle is of the largest sheet of its component, or of a component without caps: one whose largest sheet is too small.

@@ -1,16 +1,16 @@
 //! Finds strands: triangles that are bent and have the other side of the strand behind them, in a part that a short ring divides from the garment.
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::{BTreeMap, BinaryHeap, HashSet};
 
 use gimage_bundle::DisjointSets;
 use rayon::prelude::*;
 
 use super::Strand;
 use crate::base::closest::Closest;
-use crate::base::halfedge::{euler, origin, sorted_edges, target};
-use crate::base::mesh::{Mesh, NONE};
-use crate::base::vec3::{add, cross, distance, dot, normalize, scale, sub};
+use crate::base::halfedge::{BOUNDARY, euler, origin, target, twins};
+use crate::base::mesh::Mesh;
+use crate::base::vec3::{add, distance, dot, scale};
 
 /// Lengths are shares of the root of the area of a component.
 /// Curvature of a triangle of a strand, at least; that of a tube is one over its radius.
@@ -23,6 +23,8 @@ const AROUND: f64 = 0.06;
 const LENGTH: f64 = 0.03;
 /// Area over the square of the length around the root, at least: for a tube its length over the way around.
 const SLIMNESS: f64 = 2.0;
+/// Length of the border of an open end over the length around the root, at most.
+const OPEN: f64 = 2.0;
 /// Share of the area of its component, at most.
 const SHARE: f64 = 0.05;
 /// Triangles of a strand, at least.
@@ -32,7 +34,7 @@ const OPPOSITE: f64 = -0.2;
 
 /// All strands of a repaired mesh, by their first triangles.
 pub(super) fn strands(mesh: &Mesh) -> Vec<Strand> {
-    let surface = Surface::new(mesh);
+    let Some(surface) = Surface::new(mesh) else { return Vec::new() };
     let thin = surface.thin();
     let mut seen = vec![false; thin.len()];
     let mut found = Vec::new();
@@ -63,7 +65,7 @@ struct Surface<'a> {
     /// Unit normals; 0 without area.
     normals: Vec<[f64; 3]>,
     centers: Vec<[f64; 3]>,
-    /// The half-edge on the other side of each half-edge, or [`NONE`].
+    /// The half-edge on the other side of each half-edge, or [`BOUNDARY`].
     twins: Vec<u32>,
     /// The component of each triangle, and the root \[m\] of the area of it.
     components: Vec<u32>,
@@ -71,40 +73,32 @@ struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    fn new(mesh: &'a Mesh) -> Self {
+    /// `None` of a mesh that is not repaired: one with three triangles at an edge.
+    fn new(mesh: &'a Mesh) -> Option<Self> {
         let count = mesh.triangles.len();
-        let mut twins = vec![NONE; 3 * count];
+        let twins = twins(&mesh.triangles).ok()?;
         let mut components = DisjointSets::new(count);
-        for run in sorted_edges(&mesh.triangles).chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
-            if let [(_, _, g), (_, _, h)] = run {
-                (twins[*g as usize], twins[*h as usize]) = (*h, *g);
-                components.union(g / 3, h / 3);
-            }
-        }
+        let pairs = (0..).zip(&twins).filter(|(_, twin)| **twin != BOUNDARY);
+        pairs.for_each(|(h, twin)| _ = components.union(h / 3, twin / 3));
         let components = components.into_representatives();
         let areas: Vec<f64> = (0..count).map(|t| mesh.triangle_area(t)).collect();
         let mut whole = vec![0.0; count];
         (0..count).for_each(|t| whole[components[t] as usize] += areas[t]);
-        let normal = |t: usize| {
-            let [a, b, c] = mesh.corners(t);
-            let n = cross(sub(b, a), sub(c, a));
-            if dot(n, n) > 0.0 { normalize(n) } else { [0.0; 3] }
-        };
         let center = |t: usize| mesh.corners(t).into_iter().fold([0.0; 3], |sum, p| add(sum, scale(p, 1.0 / 3.0)));
         let sizes = components.iter().map(|c| whole[*c as usize].sqrt()).collect();
-        let (normals, centers) = ((0..count).map(normal).collect(), (0..count).map(center).collect());
-        Surface { mesh, areas, normals, centers, twins, components, sizes }
+        let (normals, centers) = ((0..count).map(|t| mesh.facing(t)).collect(), (0..count).map(center).collect());
+        Some(Surface { mesh, areas, normals, centers, twins, components, sizes })
     }
 
     /// The triangles beside one.
     fn beside(&self, t: u32) -> impl Iterator<Item = u32> + '_ {
         let twins = &self.twins[3 * t as usize..3 * t as usize + 3];
-        twins.iter().filter(|h| **h != NONE).map(|h| h / 3)
+        twins.iter().filter(|h| **h != BOUNDARY).map(|h| h / 3)
     }
 
     /// Triangles that hang together with one, of those that are asked for, by the order in which they are found; up to an area.
     fn spread(&self, first: u32, most: f64, is_asked: impl Fn(u32) -> bool) -> Vec<u32> {
-        let (mut found, mut known, mut next) = (vec![first], std::collections::HashSet::from([first]), 0);
+        let (mut found, mut known, mut next) = (vec![first], HashSet::from([first]), 0);
         let mut area = 0.0;
         while let Some(&t) = found.get(next) {
             area += self.areas[t as usize];
@@ -166,7 +160,7 @@ impl<'a> Surface<'a> {
         let farthest = self.ways(&root, &is_inside).into_iter().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
         let mut order: Vec<(u32, f64)> = self.ways(&[farthest?.0], &is_inside).into_iter().collect();
         order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        let mut part = std::collections::HashSet::new();
+        let mut part = HashSet::new();
         let (mut around, mut area, mut best) = (0.0, 0.0, (0.0, 0));
         for (n, (t, _)) in order.iter().enumerate() {
             part.insert(*t);
@@ -174,7 +168,7 @@ impl<'a> Surface<'a> {
             for h in 3 * t..3 * t + 3 {
                 // The edge of an open end does not hang together with anything.
                 let twin = self.twins[h as usize];
-                if twin != NONE {
+                if twin != BOUNDARY {
                     around += if part.contains(&(twin / 3)) { -self.length(h) } else { self.length(h) };
                 }
             }
@@ -193,7 +187,13 @@ impl<'a> Surface<'a> {
         let ring = self.ring(&triangles)?;
         let around: f64 = ring.iter().map(|h| self.length(*h)).sum();
         let area: f64 = triangles.iter().map(|t| self.areas[*t as usize]).sum();
-        if around > AROUND * size || area < SLIMNESS * around * around {
+        let open: f64 = triangles
+            .iter()
+            .flat_map(|t| 3 * t..3 * t + 3)
+            .filter(|h| self.is_border(*h))
+            .map(|h| self.length(h))
+            .sum();
+        if around > AROUND * size || open > OPEN * around || area < SLIMNESS * around * around {
             return None;
         }
         let node = self.mesh.parts.get(self.mesh.triangle_part[first] as usize).map(|part| part.node.clone());
@@ -221,6 +221,10 @@ impl<'a> Surface<'a> {
         ways
     }
 
+    fn is_border(&self, h: u32) -> bool {
+        self.twins[h as usize] == BOUNDARY
+    }
+
     fn length(&self, h: u32) -> f64 {
         let [a, b] = [origin(&self.mesh.triangles, h), target(&self.mesh.triangles, h)];
         distance(self.mesh.positions[a as usize], self.mesh.positions[b as usize])
@@ -230,14 +234,14 @@ impl<'a> Surface<'a> {
     fn ring(&self, triangles: &[u32]) -> Option<Vec<u32>> {
         let is_own = |t: u32| triangles.binary_search(&t).is_ok();
         let halves = || triangles.iter().flat_map(|t| 3 * t..3 * t + 3);
-        let other = |h: u32| Some(self.twins[h as usize]).filter(|twin| *twin != NONE && !is_own(twin / 3));
+        let other = |h: u32| Some(self.twins[h as usize]).filter(|twin| *twin != BOUNDARY && !is_own(twin / 3));
         let mut from = BTreeMap::new();
         for h in halves().filter_map(other) {
             if from.insert(origin(&self.mesh.triangles, h), h).is_some() {
                 return None;
             }
         }
-        let has_end = halves().any(|h| self.twins[h as usize] == NONE);
+        let has_end = halves().any(|h| self.is_border(h));
         let corners: Vec<[u32; 3]> = triangles.iter().map(|t| self.mesh.triangles[*t as usize]).collect();
         if euler(&corners) != i64::from(!has_end) || from.len() < 3 {
             return None;

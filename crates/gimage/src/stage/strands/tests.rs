@@ -102,7 +102,14 @@ fn a_string_with_an_open_end_is_one_too() {
 }
 
 #[test]
-fn fingers_and_straps_stay() {
+fn fingers_trumpets_and_straps_stay() {
+    // A tube whose open end is wide, as a sleeve may be.
+    let middle = [40.5 * SIDE, 40.5 * SIDE];
+    let mut wide = string(0.2);
+    let end = wide[20].map(|[x, y, z]| [middle[0] + 6.0 * (x - middle[0]), middle[1] + 6.0 * (y - middle[1]), z]);
+    wide[20] = end;
+    let trumpet = sheet_with(&wide, false);
+    assert_eq!(left(&trumpet).mesh, trumpet);
     // As long as around.
     let finger = sheet_with(&string(4.0 * SIDE), true);
     assert_eq!(left(&finger).mesh, finger);
